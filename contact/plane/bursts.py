@@ -57,6 +57,7 @@ DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
 HELD_RINGS = 2.0  # largest rate in the ring of a held slider over that at the instants of its start
+ROUNDING = 1e-9  # of the largest speed: rates below it are none
 INSTANTS = 12  # of a motion, at which two computations of it are compared
 MAX_LAGS, LEVELS = 100_000, 17  # instants and levels of the waves at which a lag of the height is known
 PLACE = 1e-4  # m: a tenth of a wavelength, to which the tolerance of a place refers
@@ -384,38 +385,54 @@ def _averaged(question):
         way, time_of = np.abs(np.diff(fine.state[:, 3:], axis=0)), np.diff(fine.time)[:, None]
         if len(way):
             systematic += BOUNCES * (way / time_of).max(axis=0) / (ratio * question.waves.omega)
-    coasts = fine.time > question.duration
-    held = fine.state[(fine.time > begun.time) & ~coasts, 3:]
-    if len(held) and len(begun.rows[1]):  # a slider that is held rings as at its start
-        systematic += HELD_RINGS * np.abs(begun.rows[1]).max(axis=0) * (held == 0.0).any(axis=0)
-    if coasts.any() and slider.mass != math.inf:
-        systematic += _bounce_after_the_waves(question, fine.state[coasts], float(np.ptp(height)))
-    error, pose_error = missed[3:] + systematic, missed[:3] + systematic * float(fine.time[-1])
-    if fine.stopped < math.inf:
-        pose_error += spring_back(slider)
-    if coasts.any() and slider.mass != math.inf:
-        ring = _ring_after_the_waves(question, fine.state[~coasts][-1, 3:])
-        rests = np.abs(fine.state[coasts, 3:]).min(axis=0) <= ring
-        error += ring * rests
-        if fine.stopped == math.inf:
-            pose_error += ring * rests / (math.pi * slider.tangential_resonance(slider.count))
+    systematic += _of_bounces(question, begun, fine, height)
+    ring, swing = _of_springs(question, fine)
+    error = missed[3:] + systematic + ring
+    pose_error = missed[:3] + systematic * float(fine.time[-1]) + swing
     names = {"evaluations": path.evaluations}
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
     return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
 
 
-def _bounce_after_the_waves(question, coast, rise):
-    """Return the rates (3,) by which a coast (k, 6) may differ while the height falls to that of rest.
+def _of_bounces(question, begun, run, height):
+    """Return the errors of the rates (3,) by bounces that averaging leaves out: of a held slider, and after the waves.
 
-    The friction that slows the slider down is another one through some bounces: ``rise``, the way of the height in m,
-    times the contacts' stiffness is their force, at most the preload.
+    After the waves the impulse of friction is the friction coefficient times that of the normal forces, which differs
+    from the preload's by the change of the slider's vertical momentum: at most twice that of a bounce as high as the
+    way of the height, or as one whose force is the preload.
     """
-    slider, bounce = question.slider, 2.0 * math.pi * question.slider.normal_resonance(question.slider.count)
-    friction = slider.static_friction(slider.count) * min(slider.mass * bounce**2 * rise / slider.preload, 1.0)
+    slider, coasts, error = question.slider, run.time > question.duration, np.zeros(3)
+    held = run.state[(run.time > begun.time) & ~coasts, 3:]
+    if len(held) and len(begun.rows[1]):  # a slider that is held rings as at its start
+        error += HELD_RINGS * np.abs(begun.rows[1]).max(axis=0) * (held == 0.0).any(axis=0)
+    if not coasts.any() or slider.mass == math.inf:
+        return error
+    bounce = 2.0 * math.pi * slider.normal_resonance(slider.count)
+    friction = slider.static_friction(slider.count)
+    friction *= min(slider.mass * bounce**2 * float(np.ptp(height)) / slider.preload, 1.0)
     turned = friction * question.arm / slider.inertia if slider.inertia else 0.0
-    slowed = np.array([friction / slider.mass, friction / slider.mass, turned]) * coast[:, 3:].any(axis=0)
-    return BOUNCES * slowed / (bounce * (1.0 + bounce * question.rise_time))
+    slowed = np.array([friction / slider.mass, friction / slider.mass, turned])
+    slowed *= run.state[coasts, 3:].any(axis=0) & _moving(question, run)
+    return error + 2.0 * slowed / (bounce * (1.0 + bounce * question.rise_time))
+
+
+def _of_springs(question, run):
+    """Return the errors of the rates and of the pose (3,) where the slider rests after the waves, in its springs."""
+    slider, coasts = question.slider, run.time > question.duration
+    stops = spring_back(slider) if run.stopped < math.inf else np.zeros(3)
+    if not coasts.any() or slider.mass == math.inf:
+        return np.zeros(3), stops
+    ring = _ring_after_the_waves(question, run.state[~coasts][-1, 3:])
+    ring *= (np.abs(run.state[coasts, 3:]).min(axis=0) <= ring) & _moving(question, run)
+    swing = ring / (math.pi * slider.tangential_resonance(slider.count))
+    return ring, stops if run.stopped < math.inf else swing
+
+
+def _moving(question, run):
+    """Return which of the rates of a run are more than rounding, (3,)."""
+    rates = np.abs(run.state[:, 3:]).max(axis=0) * [1.0, 1.0, question.arm or 1.0]
+    return rates > ROUNDING * rates.max()
 
 
 def _ring_after_the_waves(question, rates):
