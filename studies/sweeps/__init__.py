@@ -81,7 +81,8 @@ def sweep(
                 raise InterruptedRunError(f"interrupted: {stored} of {len(design)} points are kept{where}") from None
         return Sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
-            seconds=perf_counter() - start_time, columns=store.columns, axes=design.axes,
+            seconds=perf_counter() - start_time, columns=store.columns, names=store.names,
+            batches=store.batches, axes=design.axes,
         )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ import json
 import os
 import socket
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from studies.results.content import provenance
 from studies.sweeps.plan import Design
 
 FILE, LOCK = "points.sqlite", "driver.lock"
+BATCH = 10_000  # rows that are read at once
 TABLES = """
 create table if not exists sweep (name text primary key, value text not null);
 create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
@@ -39,7 +40,7 @@ class Store:
     """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
     def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
-        self.folder, self._names = folder, ("point", *design.question.keys, *design.question.outcomes)
+        self.folder, self.names = folder, ("point", *design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
         self.path = None if folder is None else folder / FILE
         self._kept: Columns | None = None  # what a store in memory held when it was closed
@@ -54,7 +55,7 @@ class Store:
         except (SceneError, RunError):
             self._release()
             raise
-        self._insert = f"insert or replace into points values ({', '.join('?' * len(self._names))})"
+        self._insert = f"insert or replace into points values ({', '.join('?' * len(self.names))})"
 
     def columns(self) -> Columns:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
@@ -63,13 +64,25 @@ class Store:
         connected = closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection)
         with self._explained("read"), connected as connection:
             rows = connection.execute("select * from points order by point")
-            return Columns(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
+            return Columns(zip(self.names, map(list, zip(*rows, strict=True)), strict=True))
+
+    def batches(self, names: Sequence[str]) -> Iterator[list[tuple]]:
+        """Yield some columns of all rows in the order of their points, so many rows at a time, also after `close`."""
+        if self._kept is not None:
+            yield list(zip(*(self._kept[name] for name in names), strict=True))
+            return
+        connected = closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection)
+        chosen = ", ".join(f'"{name}"' for name in names)
+        with self._explained("read"), connected as connection:
+            rows = connection.execute(f"select {chosen} from points order by point")
+            while some := rows.fetchmany(BATCH):
+                yield some
 
     def rows(self, first: int, end: int) -> Iterator[Columns]:
         """Yield the rows of the points from ``first`` up to and without ``end``, as values by name."""
         wanted = "select * from points where point >= ? and point < ? order by point"
         rows = self._read(wanted, (first, end))
-        yield from (Columns(zip(self._names, row, strict=True)) for row in rows)
+        yield from (Columns(zip(self.names, row, strict=True)) for row in rows)
 
     def close(self) -> None:
         """Close the file and release the lock; the rows of a store in memory stay."""
@@ -129,7 +142,7 @@ class Store:
             "points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}",
         }  # fmt: skip
         with self._explained(), self.connection:
-            columns = ", ".join(f'"{name}"' for name in self._names[1:])
+            columns = ", ".join(f'"{name}"' for name in self.names[1:])
             self.connection.execute(f"create table if not exists points (point integer primary key, {columns})")
             self.connection.executemany(
                 "insert or replace into sweep values (?, ?)",

@@ -1,7 +1,8 @@
 """The result of a sweep: counts and columns of its rows, as text, data frame and xarray."""
 
+import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -46,6 +47,10 @@ class Sweep:
         Wall time of this driver.
     columns : callable
         Returns the columns by name, in the order of the points; a missing value is None.
+    names : tuple of str
+        Of the columns.
+    batches : callable
+        Yields rows of the columns of some names, many at a time, in the order of the points.
     axes : tuple of studies.sweeps.axes.Axis
         Keys and values.
     """
@@ -56,6 +61,8 @@ class Sweep:
     cost: float
     seconds: float
     columns: Callable[[], Columns]
+    names: tuple[str, ...]
+    batches: Callable[[Sequence[str]], Iterator[list[tuple]]]
     axes: tuple[Axis, ...] = ()
 
     @property
@@ -66,19 +73,28 @@ class Sweep:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What `sawmotor sweep --json` prints: counts, ranges of the outcomes, reasons of the failures, cost."""
-        columns = self.columns()
-        names = [each.column for each in SHOWN]
-        values = {name: [each for each in columns.get(name, ()) if each is not None] for name in names}
-        errors, statuses = columns.relative_error, columns.status
-        failures = Counter(status for status in statuses if status != Status.OK).most_common(REASONS)
+        names = [each.column for each in SHOWN if each.column in self.names]
+        ends = {name: [math.inf, -math.inf] for name in names}
+        worst, failures, first = None, Counter[str](), dict[str, int]()
+        # not all rows at once: a million of them take 0.6 GB
+        for rows in self.batches(("point", "status", "relative_error", *names)):
+            points, statuses, errors, *values = zip(*rows, strict=True)
+            for name, column in zip(names, values, strict=True):
+                if some := [each for each in column if each is not None]:
+                    ends[name] = [min(ends[name][0], *some), max(ends[name][1], *some)]
+            kept = [error for error, status in zip(errors, statuses, strict=True) if status == Status.OK]
+            worst = max(kept if worst is None else [worst, *kept], default=None)
+            for point, status in zip(points, statuses, strict=True):
+                if status != Status.OK:
+                    failures[status] += 1
+                    first.setdefault(status, point)
         return {
             "store": str(self.path), "points": self.points, "counts": self.counts,
-            "ranges": Columns((name, [min(some), max(some)]) for name, some in values.items() if some),
-            "largest_relative_error": max(
-                (error for error, status in zip(errors, statuses, strict=True) if status == Status.OK), default=None
-            ),
+            "ranges": Columns((name, each) for name, each in ends.items() if each[0] <= each[1]),
+            "largest_relative_error": worst,
             "reasons": [
-                {"status": status, "points": count, "first_point": statuses.index(status)} for status, count in failures
+                {"status": status, "points": count, "first_point": first[status]}
+                for status, count in failures.most_common(REASONS)
             ],
             "seconds": self.seconds, "work_seconds": self.cost,
         }  # fmt: skip
@@ -96,11 +112,10 @@ class Sweep:
         ]
         if self.summary["largest_relative_error"] is not None:
             notes.insert(0, ("relative error", f"{self.summary['largest_relative_error']:.1e} at most, where ok"))
-        columns = self.columns()
-        if {quantity.velocity_m_per_s.column, quantity.conductance_S.column} <= set(columns):  # on a stator
+        if {quantity.velocity_m_per_s.column, quantity.conductance_S.column} <= set(self.names):  # on a stator
             mean = (
                 ""
-                if quantity.mean_velocity_m_per_s.column in columns
+                if quantity.mean_velocity_m_per_s.column in self.names
                 else "; --also ripple adds mean and range about it"
             )
             notes.append(("velocity", f"that of the slider's position{mean}"))

@@ -191,8 +191,11 @@ def million(folder: Path) -> None:
 
 
 def bad_points(folder: Path) -> None:
-    masses = ",".join("-1e-4" if k % 10 == 3 else f"{1e-4 * (1 + k / 100)!r}" for k in range(100))
-    found = swept(folder / "bad", "twente-contact", "--over", f"slider.mass={masses}", *_with(CONTACT, 100)[2:])
+    masses = [-1e-4 if k % 10 == 3 else 1e-4 * (1 + k / 100) for k in range(100)]
+    table = folder / "points.csv"
+    pairs = [f"{mass!r},{(0.5 + 0.195 * k) * 1e-9!r}" for mass in masses for k in range(100)]
+    table.write_text("\n".join(["slider.mass,wave.normal_amplitude", *pairs]))
+    found = swept(folder / "bad", "twente-contact", "--points", str(table))
     named = found["reasons"][0] if found["reasons"] else {"status": "-", "points": 0}
     text = f"{found['counts']}; {named['points']} x {named['status']!r}"
     line("10 % impossible values", "the rest complete, each named", text,
