@@ -26,6 +26,7 @@ WEAK = 0.01  # coupling K^2 below which a transducer needs more fingers
 APERTURE, AWAY, MARGIN, THICKNESS = 20.0, 40.0, 15.0, 5.0
 SIDES = 1.6  # width of the stator over the aperture
 FRICTION = 0.18  # steel on lithium niobate (Kurosawa, Takahashi and Higuchi 1998)
+OF_FRICTION = "steel on lithium niobate, Kurosawa et al. 1998: measure yours"
 RISE = 10e-9  # m: normal amplitude of a motor without a wanted speed
 SHARE_OF_CREST = 0.5  # speed of a slider over that of the wave's crests, where it presses half of its time
 PRESSED = 0.5  # approach of a ball at rest over the normal amplitude
@@ -269,7 +270,7 @@ def _pillars(solid, wavelength: float, aperture: float, approach: float, thrust:
     why = {
         "slider.mass": f"a chip of silicon of {CHIP * 1e3:g} mm",
         "slider.preload": f"{rule}, by a spring",
-        "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
+        "slider.friction_coefficient": OF_FRICTION,
         "slider.pillars.diameter": f"as in published motors, at most {PILLAR_OF_WAVE:g} of a wavelength",
         "slider.pillars.height": "equal heights: measure their scatter, and give it as height_scatter",
         "slider.pillars.pitch": f"over half the aperture, at most {SPREAD:g} of a wavelength: they load the wave less",
@@ -297,7 +298,7 @@ def _balls(radius: float, places: list, preload: float, approach: float, rule: s
         + (f", so that each {goal}" if rule else "")
         + ": [x, y] from the centre, columns an odd number of quarter wavelengths apart against a standing wave",
         "slider.preload": f"{preload * 1e3:.3g} mN: " + (rule or f"a ball at rest {goal}"),
-        "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
+        "slider.friction_coefficient": OF_FRICTION,
         "slider.damping.normal": "a tenth of critical for the bounce at rest",
     }
     return block, why

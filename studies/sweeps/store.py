@@ -16,6 +16,7 @@ import socket
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, nullcontext
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -61,10 +62,8 @@ class Store:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
         if self._kept is not None:
             return self._kept
-        connected = closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection)
-        with self._explained("read"), connected as connection:
-            rows = connection.execute("select * from points order by point")
-            return Columns(zip(self.names, map(list, zip(*rows, strict=True)), strict=True))
+        rows = chain.from_iterable(self.batches(self.names))
+        return Columns(zip(self.names, map(list, zip(*rows, strict=True)), strict=True))
 
     def batches(self, names: Sequence[str]) -> Iterator[list[tuple]]:
         """Yield some columns of all rows in the order of their points, so many rows at a time, also after `close`."""
