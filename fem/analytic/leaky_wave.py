@@ -9,6 +9,7 @@ determinant of the surface's impedance, which is no longer Hermitian, vanishes a
 The real determinant has no zeros above the limit; the search begins at the minima of its size on the real axis.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,6 +25,7 @@ GRID, FASTEST = 400, 1.6  # velocities of the search, up to so many times the sl
 ABOVE_LIMIT = 1e-6  # relative distance of the slowest from the limit, where two partial waves coincide
 CONTINUED = 12  # steps from the real velocity to the complex one
 MAX_ATTENUATION = 0.1  # |Im k| / |Re k|: 5.5 dB in a wavelength, which is no wave along the surface any more
+DECIBELS = 20.0 * math.log10(math.e) * 2.0 * math.pi  # in a wavelength, for |Im k| / |Re k| = 1
 RESIDUAL = 1e-9  # of the determinant at a root, over its size beside it
 
 
@@ -62,7 +64,7 @@ class LeakyWave:
         >>> print(f"{fem.leaky_waves(cut, surface='metallised')[0].velocity:.0f}")
         4475
         """
-        return float(20.0 * np.log10(np.e) * 2.0 * np.pi * self.attenuation)
+        return DECIBELS * self.attenuation
 
     @property
     def surface_ratio(self) -> float:
@@ -118,7 +120,7 @@ def leaky_waves(
     if not found:
         raise ConvergenceError(
             f"no leaky wave from {impedance.limit:.1f} m/s, the slowest bulk wave of {substrate.name}, to "
-            f"{grid[-1]:.1f} m/s that loses less than {20 * np.log10(np.e) * 2 * np.pi * MAX_ATTENUATION:.2g} dB in a "
+            f"{grid[-1]:.1f} m/s that loses less than {DECIBELS * MAX_ATTENUATION:.2g} dB in a "
             "wavelength"
         )
     return tuple(sorted(found, key=lambda each: each.attenuation))
