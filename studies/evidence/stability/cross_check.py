@@ -1,15 +1,26 @@
-r"""An independent check of a steady velocity: the limit of a run in time that starts at the answer.
+r"""An independent check of a steady velocity: the limit of runs in time that start at the answer.
 
-The motion is computed in time from the height and the velocity of the answer, and a second time from a slightly
-different velocity. Fixed steps are used where they are applicable, otherwise the event-driven method. In each run, a
-and b are the mean velocities over the second and over the last quarter, with a smooth weight that suppresses the
-ringing and the bounce. With the ratio rho = (b_2 - b_1)/(a_2 - a_1) of the two runs, the extrapolated limit is
-a + (b - a)/(1 - rho), so that the run need not be as long as the settling of a heavy slider. The check uses no part of
-the steady-state solvers: no averaging, no Newton iteration and no cycle map.
+The motion is computed in time from the mean height and the velocity of the answer. Fixed steps are used where they are
+applicable, and the event-driven method where they are not or where they leave too large an error. Height, its rate and
+velocity are what a slider may keep for up to 10^6 cycles: a heavy slider its velocity, a bouncing one its bounce, and
+one with a strong contact damper its height. What is compared is therefore not the end of a run but the fixed point to
+which runs tend.
+
+In each run, a and b are the means of (z_s, z_s', v) over the second and over the last quarter, with a smooth weight
+that suppresses what changes within a few cycles. Runs with an offset of each of the three give the matrix
+P = (b_i - b)(a_i - a)^-1, which takes a deviation from the second to the last quarter. It is zero for what the slider
+forgets before the second quarter. The limit of a run is a + (I - P)^-1 (b - a). Then the motion starts again at the
+limit, until the limits agree: they are the result, and their spread is its error, together with that of the
+resolutions. A right answer is a fixed point of these runs: they stay where they start, however slowly the slider
+settles. From a wrong answer they lead to the right one. There is no cross-check if a deviation grows (an eigenvalue of
+P reaches 1: the answer is unstable, or nothing decides it), or if the error stays large.
+
+The check uses no part of the steady-state solvers: no averaging, no Newton iteration and no cycle map.
 """
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,11 +29,13 @@ from contact.answers.rest_motion import rest_problem
 from contact.answers.steady import SteadyState
 from contact.answers.stepped_burst import stepped_refusals
 from contact.body import normal_amplitude, tangential_amplitude
+from contact.codes import Recorded
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.orbit import towards_plus
 from contact.passing_wave import prescribed
+from contact.problem import Problem
 from contact.stepping.time_stepping import steps
 
 # Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.
@@ -30,9 +43,14 @@ STEPS, NODES = (64, 90, 128), (9, 14)
 # Cycles with fixed steps; for the event-driven method the least number of cycles, and the usual and the largest number
 # of segments (5 s per run)
 STEPPED_CYCLES, LEAST_CYCLES, EXACT_SEGMENTS, MAX_SEGMENTS = 20_000, 64, 60_000, 200_000
-# Offset of the second start velocity over the reference speed, and of the third run's start height over the wave's
-# amplitude; largest relative drift of the height
-BESIDE, HIGHER, STILL = 1e-2, 0.1, 1e-4
+# Offsets of the other starts, over the wave's amplitude, its product with the contact resonance, and the reference
+# speed, the smaller one where the larger leads to another motion; share of an offset below which it is forgotten in the
+# second quarter
+OFFSETS, FORGOTTEN = (1e-2, 1e-4), 1e-3
+# Attempts to start at the mean height, and its error over the wave's amplitude that ends them
+STARTS, SAME_HEIGHT = 6, 1e-6
+# Largest number of starts at a limit; errors over the reference speed that end them, and that are no cross-check
+RESTARTS, SETTLED, MAX_ERROR = 6, 1e-3, 1e-2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +60,7 @@ class CrossCheck:
     velocity: float  # m/s
     error: float  # estimated, m/s, from the resolutions and the remaining settling
     method: str  # "stepped" or "exact"
-    cycles: int  # number of computed cycles
+    cycles: int  # number of cycles of a run
 
 
 def cross_check(state: SteadyState) -> CrossCheck:
@@ -56,58 +74,166 @@ def cross_check(state: SteadyState) -> CrossCheck:
     Raises
     ------
     ConvergenceError
-        If the motion cannot be computed or does not settle.
+        If the motion cannot be computed, moves away from the answer, or does not settle.
     """
     slider, orbits = prescribed(state.slider, state.orbits)
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
-    unit = problem.speed
     begin = np.zeros(3 + len(driven))
-    begin[0], begin[2] = -state.height / problem.length, side * state.velocity / unit
-    reference = contact.reference_speed(state.velocity, driven) / unit
-    stepped = not stepped_refusals(slider, problem, STEPS[0])
-    resolutions = STEPS if stepped else NODES
-    cycles = STEPPED_CYCLES if stepped else _cycle_count(problem)
-    runs = [_quarters(_rows(problem, stepped, n, begin, cycles)) for n in resolutions]
-    drift = abs(runs[-1][3] - runs[-1][2]) / (1.0 + abs(runs[-1][3]))
-    if drift > STILL:
-        raise ConvergenceError("not settled", f"the slider's height still drifts after {cycles} cycles")
-    runs = [run[:2] for run in runs]
-    a, b = runs[-1]
-    if state.velocity == 0.0:
-        # sticking: a displacement within the elastic limit of the contacts is no motion
-        every = np.arange(problem.contacts)
-        reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(problem.paths, every)))
-        reach += max(tangential_amplitude(problem.paths, every))
-        error, settled = 2.0 * reach / (2.0 * math.pi * (cycles // 4)), [b]
+    begin[0], begin[2] = -state.height / problem.length, side * state.velocity / problem.speed
+    reference = contact.reference_speed(state.velocity, driven) / problem.speed
+    amplitude = max(normal_amplitude(problem.paths, np.arange(problem.contacts))) or abs(begin[0]) or 1.0
+    climb = amplitude * slider.normal_resonance(len(driven)) / driven.frequency
+    units = np.array([amplitude, climb or 1.0, reference or 1.0])
+
+    def checked(stepped):
+        cycles = STEPPED_CYCLES if stepped else _cycle_count(problem)
+        runs = _Runs(problem, stepped, cycles, units)
+        velocity, error = _sticking(slider, runs, begin) if state.velocity == 0.0 else _moving(runs, begin)
+        return CrossCheck(
+            velocity=float(side * velocity * problem.speed), error=float(error * problem.speed),
+            method="stepped" if stepped else "exact", cycles=cycles,
+        )  # fmt: skip
+
+    if not stepped_refusals(slider, problem, STEPS[0]):
+        try:
+            return checked(stepped=True)
+        except ConvergenceError:
+            pass  # the event-driven method may resolve what the steps do not
+    return checked(stepped=False)
+
+
+def _moving(runs, begin):
+    """Return (velocity, error), scaled, of a slider that moves."""
+    begin = runs.at_mean_height(begin)
+    coarse, *finer = runs.resolutions
+    means = runs.quarters(begin, coarse)
+    for size in OFFSETS:
+        beside = [runs.quarters(runs.offset(begin, size * each), coarse) for each in np.eye(3)]
+        secant = _secant(means, beside, size)
+        if secant.growth < 1.0:
+            break
     else:
-        begin[2] += BESIDE * reference
-        a2, b2 = _quarters(_rows(problem, stepped, resolutions[-1], begin, cycles))[:2]
-        apart = a2 - a
-        rho = min(max((b2 - b) / apart, 0.0), 1.0 - 1e-9) if abs(apart) > 1e-3 * BESIDE * reference else 0.0
-        settled = [early + (late - early) / (1.0 - rho) for early, late in runs]
-        # resolutions, and a secant whose error is of second order in the distance of extrapolation
-        reached = abs(settled[-1] - b) + abs(b2 - b)
-        error = max(abs(settled[-1] - other) for other in settled[:-1])
-        error += reached * min(1.0, 4.0 * reached / max(reference, 1e-300)) + drift * reference / (1.0 - rho)
-        if not stepped:
-            # a stiff damper of the contacts retains the initial height, and thus the velocity, for 10^5 cycles
-            begin[0] += HIGHER * max(normal_amplitude(problem.paths, np.arange(problem.contacts)))
-            higher = _quarters(_rows(problem, stepped, resolutions[0], begin, cycles))[1]
-            if abs(higher - b2) > max(error, STILL * reference):
-                raise ConvergenceError("not settled", f"the velocity still depends on the start after {cycles} cycles")
-    return CrossCheck(
-        velocity=float(side * settled[-1] * unit), error=float(error * unit), method="stepped" if stepped else "exact",
-        cycles=cycles,
-    )  # fmt: skip
+        raise ConvergenceError(
+            "not settled",
+            f"a deviation from the answer is {secant.growth:.6g} times as large after {runs.cycles // 2} more cycles",
+        )
+    limits = [secant.limit(each) for each in (means, *beside)]
+    target = limits[0]
+    for _ in range(RESTARTS):
+        begin = runs.offset(begin, secant.inverse @ (target - means.early))
+        means = runs.quarters(begin, coarse)
+        target = secant.limit(means)
+        limits.append(target)
+        settled = max(abs(target - each)[2] for each in limits[-4:-1])
+        if settled < SETTLED:
+            break
+    velocities = [target[2], *(secant.limit(runs.quarters(begin, each))[2] for each in finer)]
+    resolved = max(abs(velocities[-1] - each) for each in velocities[:-1])
+    if not settled + resolved <= MAX_ERROR:
+        raise ConvergenceError(
+            "not settled",
+            f"runs of {runs.cycles} cycles leave {settled + resolved:.2g} of the velocity open, {settled:.2g} of it "
+            "because the slider does not settle",
+        )
+    return velocities[-1] * runs.units[2], (settled + resolved) * runs.units[2]
 
 
-def _quarters(rows):
-    """Return the means of v over the second and the last quarter, weighted by sin^4, then those of z_s."""
-    quarter = len(rows) // 4
-    weight = np.sin(np.pi * (np.arange(quarter) + 0.5) / quarter) ** 4
-    weight /= np.sum(weight)
-    return tuple(float(weight @ part) for k in (2, 1) for part in (rows[quarter : 2 * quarter, k], rows[-quarter:, k]))
+def _sticking(slider, runs, begin):
+    """Return (velocity, error), scaled, of a slider that sticks: a displacement within its elastic limit is allowed."""
+    every = np.arange(runs.problem.contacts)
+    reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(runs.problem.paths, every)))
+    reach += max(tangential_amplitude(runs.problem.paths, every))
+    late = runs.quarters(begin, runs.resolutions[-1]).late
+    return late[2] * runs.units[2], 2.0 * reach / (2.0 * math.pi * (runs.cycles // 4))
+
+
+class _Means(NamedTuple):
+    """Means of (z_s, z_s', v) over two quarters of a run, in the units of `_Runs`."""
+
+    early: np.ndarray  # (3,): second quarter
+    late: np.ndarray  # (3,): last quarter
+
+
+class _Secant(NamedTuple):
+    """What is left of small deviations from a motion, from runs beside it."""
+
+    inverse: np.ndarray  # (3, 3): offset of the start that makes a deviation in the second quarter
+    change: np.ndarray  # (3, 3): P, deviation in the last quarter that follows from one in the second
+
+    @property
+    def growth(self):
+        return float(np.max(np.abs(np.linalg.eigvals(self.change))))
+
+    def limit(self, means):
+        """Return the fixed point to which a run tends."""
+        return means.early + np.linalg.solve(np.eye(3) - self.change, means.late - means.early)
+
+
+def _secant(means, beside, size):
+    """Return the secant of the means of a run and those of three runs, each with one quantity offset by `size`."""
+    early = np.column_stack([each.early - means.early for each in beside]) / size
+    late = np.column_stack([each.late - means.late for each in beside]) / size
+    left, sizes, right = np.linalg.svd(early)
+    inverse = (right.T * [1.0 / each if each > FORGOTTEN else 0.0 for each in sizes]) @ left.T
+    return _Secant(inverse, late @ inverse)
+
+
+class _Runs(NamedTuple):
+    """Runs of one problem in time, over the same number of cycles."""
+
+    problem: Problem
+    stepped: bool
+    cycles: int
+    units: np.ndarray  # (3,): of z_s, z_s' and v in offsets and means
+
+    @property
+    def resolutions(self):
+        return STEPS if self.stepped else NODES
+
+    def offset(self, begin, change):
+        """Return a start with a change of z_s, z_s' and v, in their units."""
+        return np.concatenate((begin[:3] + self.units * change, begin[3:]))
+
+    def quarters(self, begin, resolution):
+        """Return the means of a run over its second and its last quarter, weighted by sin^4."""
+        quarter = self.cycles // 4
+        weight = np.sin(np.pi * (np.arange(quarter) + 0.5) / quarter) ** 4
+        weight /= np.sum(weight)
+        record = self._record(begin, resolution)
+        position = record[:, Recorded.POSITION]
+        climb = np.gradient(position) / (2.0 * math.pi)
+        rows = np.column_stack((position, climb, record[:, Recorded.MEAN_VELOCITY])) / self.units
+        return _Means(weight @ rows[quarter : 2 * quarter], weight @ rows[-quarter:])
+
+    def at_mean_height(self, begin):
+        """Return a start from which the second cycle has the mean -z_s of `begin`; `begin` if none is found.
+
+        A strong contact damper moves the slider up and down with the wave, but lets it forget its height only in 10^5
+        cycles. The position at phase 0, from which a run starts, is then not the mean one of the answer.
+        """
+        start = begin.copy()
+        for _ in range(STARTS):
+            motion = self._motion(start, NODES[0])
+            motion.turn(1)
+            motion.begin()
+            motion.turn(1)
+            above = motion.mean_height(1) + begin[0]
+            if abs(above) < SAME_HEIGHT * self.units[0]:
+                return start
+            start[0] += above
+        return begin
+
+    def _record(self, begin, resolution):
+        """Return a row (`Recorded`) for every cycle from a state, in fixed steps or from event to event."""
+        if self.stepped:
+            return steps(self.problem, begin.copy(), self.cycles, resolution)
+        return self._motion(begin, resolution).turn(self.cycles, stride=1)
+
+    def _motion(self, begin, nodes):
+        motion = Motion(self.problem, grid=collocation(nodes), truncation=10.0 ** (1 - nodes))
+        motion.set_state(*begin[:3], begin[3:])
+        return motion
 
 
 def _cycle_count(problem):
@@ -119,12 +245,3 @@ def _cycle_count(problem):
             f"a cycle takes {segments_per_cycle:.3g} segments of the motion: too many to follow {LEAST_CYCLES} of them",
         )
     return cycles
-
-
-def _rows(problem, stepped, resolution, begin, cycles):
-    """Return the rows (v, z_s, mean v) of every cycle from a state, in fixed steps or from event to event."""
-    if stepped:
-        return steps(problem, begin.copy(), cycles, resolution)
-    motion = Motion(problem, grid=collocation(resolution), truncation=10.0 ** (1 - resolution))
-    motion.set_state(*begin[:3], begin[3:])
-    return motion.turn(cycles, stride=1)
