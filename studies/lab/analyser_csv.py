@@ -5,7 +5,6 @@ the heads.  A head is a quantity with its unit: ``Frequency (kHz)``, ``|Z| [Ohm]
 ``S11 (dB)``, ``Re(Z)``; the units may also stand in a line of their own below.  Other columns are passed over.
 """
 
-import csv
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from studies.lab.analyser_heads import UNITS, Head, head_of, unit_of
-from studies.lab.csv_columns import PHASES, above_zero, finite_number, no_number, other_number
-from studies.lab.input_file import InputFile
+from studies.lab.column_heads import PHASES
+from studies.lab.csv_columns import above_zero, finite_number, no_number, other_number
+from studies.lab.csv_layout import DECIMAL_COMMA, SEPARATORS, cells_of
+from studies.lab.input_file import InputFile, file_lines
 from studies.lab.s_parameters import NetworkData, gains
 from studies.lab.waves import scattering
-from studies.refusal import reading
 
 COMMENTS = ("#", "!", "%", "//", ";")
-SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
 REFERENCE = re.compile(r"\bz0\b\D{0,12}?(\d+(?:\.\d+)?)", re.IGNORECASE)
 DECIBEL = "dB"
 DEGREE = "deg"  # taken where a phase has no unit
@@ -80,18 +79,6 @@ def network_of_text(path: Path, option: str) -> NetworkData:
     return NetworkData(**{**vars(data), "remarks": (*data.remarks, *gains(data))})
 
 
-def file_lines(path: Path, option: str) -> list[str]:
-    """Return the lines of a text in UTF-8, UTF-16 or Latin-1, as instruments write it."""
-    with reading(path, option):
-        content = path.read_bytes()
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return content.decode("utf-16", errors="replace").splitlines()
-    try:
-        return content.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        return content.decode("latin-1").splitlines()
-
-
 def analyser_table(lines: list[str]) -> AnalyserTable | None:
     """Return the first table of lines with a frequency and a network quantity among its heads; None without one."""
     for number, line in enumerate(lines):
@@ -101,7 +88,7 @@ def analyser_table(lines: list[str]) -> AnalyserTable | None:
         for sign in COMMENTS:
             text = text.removeprefix(sign).strip()
         for separator in SEPARATORS:
-            heads = [head_of(cell) for cell in _cells(text, separator)]
+            heads = [head_of(cell) for cell in cells_of(text, separator)]
             if sum(each is not None for each in heads) >= 2 and any(
                 each and each.kind == "frequency" for each in heads
             ):
@@ -110,12 +97,6 @@ def analyser_table(lines: list[str]) -> AnalyserTable | None:
                     heads=tuple(heads), rows=rows, separator=separator, texts="\n".join(lines[:number])
                 )
     return None
-
-
-def _cells(text: str, separator: str) -> list[str]:
-    if len(separator) > 1:
-        return re.split(separator, text.strip())
-    return [cell.strip() for cell in next(csv.reader([text], delimiter=separator), [])]
 
 
 def _rows(lines: list[str], start: int, separator: str, heads: list) -> tuple[list[tuple[int, list[str]]], list]:
@@ -127,7 +108,7 @@ def _rows(lines: list[str], start: int, separator: str, heads: list) -> tuple[li
             continue
         if text.upper().startswith("END"):
             break
-        cells = _cells(line if separator == "\t" else text, separator)
+        cells = cells_of(line if separator == "\t" else text, separator)
         if not rows and len(cells) == len(heads) and all(not cell or unit_of(cell.strip("()[] ")) for cell in cells):
             heads = [
                 Head(**{**vars(head), "unit": unit_of(cell.strip("()[] ")) or head.unit}) if head else None
@@ -152,7 +133,7 @@ class _Reading(InputFile):
             "mixes decimal points and commas in one number",
         )
         if table.separator == ",":
-            self.decimal_comma = any(re.fullmatch(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?\s*", cell) for cell in cells)
+            self.decimal_comma = any(DECIMAL_COMMA.fullmatch(cell.strip()) for cell in cells)
 
     def column(self, kind: str, part: str, remarks: list[str]) -> np.ndarray | None:
         """Return the column of a part of a kind in SI units, or None if there is none."""

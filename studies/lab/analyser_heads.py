@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from studies.lab.csv_columns import FREQUENCIES, PHASES
+from studies.lab.column_heads import FREQUENCIES, PHASES
 
 IMPEDANCES = {"ohm": 1.0, "kohm": 1e3, "Mohm": 1e6, "mohm": 1e-3}
 ADMITTANCES = {"S": 1.0, "mS": 1e-3, "uS": 1e-6, "nS": 1e-9}

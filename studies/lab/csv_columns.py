@@ -7,19 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.input_file import InputFile
-from studies.refusal import SceneError, reading, shown
-
-# factors to SI units, by the unit in a head
-POSITIONS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
-FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9}
-DISPLACEMENTS = {"m": 1.0, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
-VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6, "nm_per_s": 1e-9}
-# g: standard gravity (CGPM 1901)
-ACCELERATIONS = {"m_per_s2": 1.0, "mm_per_s2": 1e-3, "km_per_s2": 1e3, "g": 9.80665}
-VOLTAGES = {"V": 1.0, "mV": 1e-3, "kV": 1e3}
-PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+from studies.lab.column_heads import head_of_column
+from studies.lab.csv_layout import cells_of, layout_of, with_points
+from studies.lab.input_file import InputFile, file_lines
+from studies.refusal import SceneError, shown
 
 
 def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> str:
@@ -50,27 +41,44 @@ class CsvColumns(InputFile):
     rows: list[list[str]]
     lines: list[int]  # number of each row's line in the file
 
-    @classmethod
-    def read(cls, path: str | Path, option: str) -> "CsvColumns":
-        """Read a CSV file; lines that begin with # are ignored."""
-        path = Path(path)
-        return cls.of_text(file_text(path, option), path, option)
+    remarks: tuple[str, ...] = ()  # on what was read otherwise than the file has it
 
     @classmethod
-    def of_text(cls, text: str, path: Path, option: str) -> "CsvColumns":
-        """Return the columns of a file's text."""
+    def read(cls, path: str | Path, option: str) -> "CsvColumns":
+        """Read a CSV file; lines that begin with # and those of an instrument above the heads are ignored."""
+        path = Path(path)
+        return cls.of_lines(file_lines(path, option), path, option)
+
+    @classmethod
+    def of_lines(cls, lines: list[str], path: Path, option: str) -> "CsvColumns":
+        """Return the columns of a file's lines."""
         numbered = [
-            (number, line) for number, line in enumerate(text.splitlines(), 1)
-            if line.strip() and not line.lstrip().startswith("#")
-        ]  # fmt: skip
-        separator = next((sign for sign in ",;\t" if numbered and sign in numbered[0][1]), ",")
-        rows = [
-            [cell.strip() for cell in row] for row in csv.reader((line for _, line in numbered), delimiter=separator)
+            (number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
         ]
-        InputFile(path, option).refuse_if(len(rows) < 2, "must hold a line of names and at least one point")
+        layout = layout_of([line for _, line in numbered])
+        above, numbered = numbered[: layout.start], numbered[layout.start :]
+        if len(layout.separator) > 1:
+            rows = [cells_of(line, layout.separator) for _, line in numbered]
+        else:
+            read = csv.reader((line for _, line in numbered), delimiter=layout.separator)
+            rows = [[cell.strip() for cell in row] for row in read]
+        first = 2 if layout.units else 1  # row of values
+        InputFile(path, option).refuse_if(len(rows) <= first, "must hold a line of names and at least one point")
         # a quoted cell may span lines: the numbers are then those of other rows, and none is said
         numbers = [number for number, _ in numbered] if len(rows) == len(numbered) else [0] * len(rows)
-        return cls(path=path, option=option, names=rows[0], rows=rows[1:], lines=numbers[1:])
+        heads, values = rows[0], with_points(rows[first:], layout.separator)
+        names = list(map(head_of_column, heads, layout.units or [""] * len(heads)))
+        remarks = [
+            f"{len(above)} lines above the heads left out" if len(above) > 1 else "a line above the heads left out"
+        ]
+        remarks = remarks if above else []
+        changed = [f"{head!r} as {name}" for head, name in zip(heads, names, strict=True) if head != name]
+        remarks += [f"columns read: {', '.join(changed)}"] if changed else []
+        remarks += ["decimal commas"] if values != rows[first:] else []
+        return cls(
+            path=path, option=option, names=names, rows=values, lines=numbers[first:],
+            remarks=("; ".join(remarks),) if remarks else (),
+        )  # fmt: skip
 
     def column(self, noun: str, units: dict[str, float]) -> tuple[np.ndarray, str] | None:
         """Return the values of the column ``noun_UNIT`` in SI units and its unit; None where no head begins so.
@@ -144,11 +152,15 @@ class CsvColumns(InputFile):
         return f"line {self.lines[row]}, " if self.lines[row] else f"point {row + 1}, "
 
     def _number(self, row: int, column: int) -> float:
-        text = self.rows[row][column] if column < len(self.rows[row]) else ""
+        values = self.rows[row]
+        if any(values[len(self.names) :]):
+            hint = ": decimal commas need semicolons or tabs between the columns"
+            raise self.error(self.line(row) + other_number(len(self.names), len(values)) + hint)
+        text = values[column] if column < len(values) else ""
         value = finite_number(text)
         if value is not None:
             return value
-        hint = ": write a decimal point" if "," in text else ""
+        hint = ": write a decimal point and no thousands separator" if "," in text else ""
         try:
             complex(unit := text.replace("i", "j"))
             hint = ": a complex number goes into two columns, _real_ and _imag_" if "j" in unit else hint
@@ -206,12 +218,3 @@ def written(unit: str) -> str:
     ('mm/s/V', 'm/s^2')
     """
     return unit.replace("_per_", "/").replace("s2", "s^2")
-
-
-def file_text(path: Path, option: str) -> str:
-    """Return the text of a file in UTF-8; SceneError if it cannot be read."""
-    try:
-        with reading(path, option):
-            return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputFile(path, option).error("is no CSV file in UTF-8") from None

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from studies.refusal import SceneError
+from studies.refusal import SceneError, reading
 
 
 class InputFile:
@@ -24,3 +24,15 @@ class InputFile:
         """Raise the `error` if a condition holds."""
         if broken:
             raise self.error(rule, line)
+
+
+def file_lines(path: Path, option: str) -> list[str]:
+    """Return the lines of a text in UTF-8, UTF-16 or Latin-1, as instruments write it."""
+    with reading(path, option):
+        content = path.read_bytes()
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return content.decode("utf-16", errors="replace").splitlines()
+    try:
+        return content.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        return content.decode("latin-1").splitlines()

@@ -17,11 +17,12 @@ a measurement has one quantity.  Files of vibrometers and network analysers are
 recognised here and read by `scan`, `scan_uff` and `network`.
 """
 
-import math
 from pathlib import Path
 
-from studies.lab.analyser_csv import analyser_table, file_lines
-from studies.lab.csv_columns import DISPLACEMENTS, TIMES, VELOCITIES, VOLTAGES, CsvColumns
+from studies.lab.analyser_csv import analyser_table
+from studies.lab.column_heads import DISPLACEMENTS, ROTATIONS, TIMES, VELOCITIES, VOLTAGES, YAW_RATES
+from studies.lab.csv_columns import CsvColumns
+from studies.lab.input_file import file_lines
 from studies.lab.measurement import Measurement
 from studies.lab.network_file import read_network
 from studies.lab.s_parameters import NetworkData
@@ -29,8 +30,6 @@ from studies.lab.scan import Scan, motions, scan_of_columns
 from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE
 
-YAW_RATES = {"rad_per_s": 1.0}
-ROTATIONS = {"rpm": 2.0 * math.pi / 60.0}  # yaw rates in turns per minute
 DEVIATIONS = ("deviation", "std", "stdev", "sd", "sigma", "uncertainty", "err")  # words in heads of standard deviations
 
 
@@ -89,8 +88,8 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, mean_velocity_m_per_s, "
         wanted += "lateral_velocity_m_per_s, yaw_rate_rad_per_s or rotation_rpm, voltage_V with normal_amplitude_m, "
         wanted += "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
-        bracketed = any(sign in name for name in table.names for sign in "[( ")
-        hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
+        plain = any(sign in name for name in table.names for sign in "[( ")
+        hint = ": a head is a name and its unit, such as x_mm, u_z_real_pm or Velocity (mm/s)" if plain else ""
         raise table.lacking(wanted, hint)
     nouns = {
         "amplitude": (("normal_amplitude_standard_deviation",), DISPLACEMENTS),
@@ -101,7 +100,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         nouns["yaw rate"] = ("rotation_standard_deviation",), ROTATIONS
     named, units = nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES))
     deviations = table.deviation(named, units)
-    remarks = _left_out(table, quantity)
+    remarks = (*table.remarks, *_left_out(table, quantity))
     if deviations is None:
         remarks = (*remarks, *_no_deviation(table, f"{named[-1]}_{next(iter(units))}"))
     return Measurement(

@@ -21,19 +21,8 @@ from functools import partial
 
 import numpy as np
 
-from studies.lab.csv_columns import (
-    ACCELERATIONS,
-    DISPLACEMENTS,
-    FREQUENCIES,
-    PHASES,
-    POSITIONS,
-    VELOCITIES,
-    VOLTAGES,
-    CsvColumns,
-    above_zero,
-    csv_text,
-    written,
-)
+from studies.lab.column_heads import ACCELERATIONS, DISPLACEMENTS, FREQUENCIES, PHASES, POSITIONS, VELOCITIES, VOLTAGES
+from studies.lab.csv_columns import CsvColumns, above_zero, csv_text, written
 from studies.refusal import SceneError, refuse_if
 
 COMPONENTS = ("u_x", "u_y", "u_z")

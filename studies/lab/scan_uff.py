@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.lab.csv_columns import FREQUENCIES, POSITIONS, VOLTAGES
+from studies.lab.column_heads import FREQUENCIES, POSITIONS, VOLTAGES
 from studies.lab.scan import COMPONENTS, MOTIONS, SAME_FREQUENCY, Scan
 from studies.lab.uff import UniversalFile, read_uff
 from studies.lab.uff_function import Function, function_58b

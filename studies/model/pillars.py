@@ -26,7 +26,8 @@ import numpy as np
 import contact
 import fem
 from fem.parameters import refuses
-from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
+from studies.lab.column_heads import DISPLACEMENTS, POSITIONS
+from studies.lab.csv_columns import CsvColumns
 from studies.model.model import Model
 from studies.model.scene_errors import input_errors, slider_keys
 from studies.model.slider_wave import mean_amplitudes, stator_wave

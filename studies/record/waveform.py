@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from studies.lab.csv_columns import FREQUENCIES, PHASES, TIMES, CsvColumns
+from studies.lab.column_heads import FREQUENCIES, PHASES, TIMES
+from studies.lab.csv_columns import CsvColumns
 from studies.refusal import refuse_if
 from studies.scene import Scene
 from studies.scene.waveform_keys import Waveform

@@ -202,3 +202,46 @@ def test_standard_deviations_that_are_not_read_are_named(head, read, tmp_path):
     own = "velocity_standard_deviation_m_per_s"
     expected = () if read else (f"{head} not read: standard deviations are those of the column {own}",)
     assert (measured.remarks, measured.deviations) == (expected, (0.01,) if read == "it" else None)
+
+
+FIRST = {"levels": (10.0, 15.5), "values": (-0.0312, -0.069), "deviations": (0.002, 0.0025)}
+INSTRUMENTS = {
+    "heads of a person": "Voltage (V),Velocity (mm/s),Std. dev. (mm/s)\n10,-31.2,2\n15.5,-69,2.5\n",
+    "instrument above": "Vibrometer 7; 64 averages\nDate;2024-05-17\n\nSpannung (V);Geschwindigkeit (mm/s);"
+    "Standardabweichung (mm/s)\n10,0;-31,2;2,0\n15,5;-69,0;2,5\n",
+    "padded by a spreadsheet": "Vibrometer 7;;\n64 averages;;\nU / V;v / mm/s;sigma / mm/s\n10;-31,2;2\n15,5;-69;2,5\n",
+    "line of units": "Drive voltage\tVelocity\tUncertainty\n(V)\t(m/s)\t(m/s)\n"
+    "10,0\t-0,0312\t0,002\n15,5\t-0,069\t2,5E-3\n",
+    "quoted numbers": '"voltage_V","velocity_mm/s","error_mm/s"\n"10,0","-31,2","2,0"\n"15,5","-69,0","2,5"\n',
+    "blanks": "# by hand\nvoltage_V  velocity_mm_per_s  error_mm_per_s\n10.0  -31.2  2.0\n15.5  -69.0   2.5\n",
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize("layout", INSTRUMENTS)
+def test_the_file_of_an_instrument_is_read_as_the_same_numbers(layout, encoding, tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_bytes(INSTRUMENTS[layout].replace("Vibrometer", "Prüf-Vibrometer").encode(encoding))
+    found = read_measured(file)
+    assert found.quantity == "velocity"
+    for name, expected in FIRST.items():
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-14), name
+
+
+def test_what_was_read_otherwise_than_the_file_has_it_is_remarked(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text(INSTRUMENTS["instrument above"])
+    (remark,) = read_measured(file).remarks
+    assert remark == (
+        "2 lines above the heads left out; columns read: 'Spannung (V)' as voltage_V, 'Geschwindigkeit (mm/s)' as "
+        "velocity_mm_per_s, 'Standardabweichung (mm/s)' as velocity_standard_deviation_mm_per_s; decimal commas"
+    )
+    file.write_text("voltage_V,velocity_m_per_s\n10,0.1\n")
+    assert not read_measured(file).remarks
+
+
+def test_a_value_of_another_line_than_that_of_an_instrument_names_its_line(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text("Vibrometer 7\nVoltage [V];Velocity [mm/s]\n10,0;-31,2\n15,0;fast\n")
+    with pytest.raises(SceneError, match="line 4, velocity_mm_per_s must be a finite number, got 'fast'"):
+        read_measured(file)
