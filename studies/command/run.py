@@ -112,7 +112,9 @@ def call(arguments: argparse.Namespace) -> int:
                     elif arguments.report:
                         from studies.report.page import TEMPLATE, report
 
-                        (result.folder / TEMPLATE).write_text(report(record), encoding="utf-8")
+                        (result.folder / TEMPLATE).write_text(
+                            report(record, arguments.scene_file.table), encoding="utf-8"
+                        )
                     if drawing is not None:
                         drawing.draw(record, result.folder)
     print_answer(arguments, whole, f"{answer(record)}\nresults         {out}")

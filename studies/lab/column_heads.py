@@ -24,7 +24,7 @@ UNITS = {
 }
 # nouns of instruments' heads for those that are read, the latter in English
 NOUNS = {
-    "u": "voltage", "drive_voltage": "voltage", "spannung": "voltage", "v": "velocity", "geschwindigkeit": "velocity",
+    "u": "voltage", "drive_voltage": "voltage", "spannung": "voltage", "v": "velocity", "speed": "velocity", "geschwindigkeit": "velocity",
     "zeit": "time", "t": "time", "frequenz": "frequency", "f": "frequency", "weg": "position", "drehzahl": "rotation",
 }  # fmt: skip
 # nouns of a standard deviation that does not say of what; with a unit of velocities it is that of the velocity

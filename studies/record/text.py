@@ -60,8 +60,7 @@ def answer(record: "Record") -> str:
         head, points = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
-    entries: list[tuple] = [*_wave(record), *_ripple(record), *_limits(record), *_uncertainty(record.uncertainty)]
-    entries += [*_heat(record.heat), *comparison(record.measured)]
+    entries = found_entries(record)
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         error = record.wave.relative_error
@@ -76,6 +75,12 @@ def answer(record: "Record") -> str:
     if record.left_out:
         entries.append(("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too"))
     return "\n".join([*lines, *labelled(entries)])
+
+
+def found_entries(record: "Record") -> list[tuple]:
+    """Return name and lines of what a run found besides its points, such as thresholds, power and temperature."""
+    entries: list[tuple] = [*_wave(record), *_ripple(record), *_limits(record), *_uncertainty(record.uncertainty)]
+    return [*entries, *_heat(record.heat), *comparison(record.measured)]
 
 
 def labelled(entries, width: int = 16) -> list[str]:

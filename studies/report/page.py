@@ -15,7 +15,7 @@ from pathlib import Path
 from studies.progress import counted
 from studies.record import Record, plots, run_pictures
 from studies.record.prefixes import si
-from studies.record.text import percent, points_table
+from studies.record.text import found_entries, percent, points_table
 from studies.report import energies, run_drawings
 from studies.report.intermediate import intermediate_numbers
 from studies.report.scene_text import scene_text
@@ -61,8 +61,8 @@ def picture_page(title: str, pictures: Iterable[tuple[str, str]]) -> str:
     return rendered("pictures.html", title=title, pictures=shown)
 
 
-def report(record: Record) -> str:
-    """Return the HTML page of a record."""
+def report(record: Record, written: dict | None = None) -> str:
+    """Return the HTML page of a record; ``written``: the table of its file, whose units stand beside the numbers."""
     scene = record.scene
     columns, points = points_table(record, missing="\u2013")
     points, remarks = _short_statuses(record, columns, points)
@@ -78,7 +78,8 @@ def report(record: Record) -> str:
         numbers=intermediate_numbers(record),
         balances=energies.balances(record),
         provenance=provenance() | {"machine": _machine()},
-        scene=scene_text(scene),
+        found=[(name, [lines] if isinstance(lines, str) else lines) for name, lines in found_entries(record)],
+        scene=scene_text(scene, written),
     )
 
 

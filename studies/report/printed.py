@@ -1,17 +1,18 @@
-"""A run on one printed page (A4, PDF): its answer as text, and its pictures in two columns."""
+"""A run on one printed page (A4, PDF): answer, warnings, motor and assumptions as text, and pictures below it."""
 
 import io
 import textwrap
 from pathlib import Path
 
 from studies.record import Record, plots, run_pictures
-from studies.record.text import answer
+from studies.record.text import answer, labelled
 from studies.report import run_drawings
+from studies.report.contents import contents
 from studies.results.content import provenance
 
 FILE = "report.pdf"
 A4 = (8.27, 11.69)  # inches
-MARGIN, COLUMNS, ROWS = 0.55, 2, 3  # inches; pictures side by side and one above the other
+MARGIN, COLUMNS, ROWS = 0.55, 3, 2  # inches; pictures side by side, and rows of them
 DPI = 200  # of the pictures, which are images on the page
 LETTER, LINE = 0.602, 1.25  # width of a letter of the monospaced font and height of a line, over the font's size
 LARGEST, SMALLEST = 8.0, 4.5  # points, of the text
@@ -50,8 +51,13 @@ def write_pdf(record: Record, path: Path) -> None:
 
 
 def text(record: Record) -> list[str]:
-    """Return the lines of the answer below its title, what the model leaves out included."""
-    return answer(record).splitlines()[1:]
+    """Return the lines of the page: the points, what else was found, warnings, the motor, and what was assumed."""
+    lines = answer(record).splitlines()[1:]
+    # of what the model leaves out, "left out" has the number; the page has the list
+    kept = [line for line in lines if not line.startswith(("left out", "seconds"))]
+    left_out = "; ".join(record.left_out)
+    entries = [("warning", list(record.warnings)), *contents(record.scene), ("left out", left_out)]
+    return [*kept, *labelled((name, rows) for name, rows in entries if rows)]
 
 
 def fitted(lines: list[str], width: float, height: float) -> tuple[float, list[str]]:

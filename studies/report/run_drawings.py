@@ -33,12 +33,7 @@ def drawings(record: Record) -> dict[str, Callable]:
             last = record.points[-1] if record.points else None
             drawn["beam"] = partial(draw_surface_map, record.surface_motion.beam, scene, point=last)
     moving = any(point.velocity_m_per_s for point in record.points)
-    if (
-        moving
-        and not record.slider_wave
-        and not scene.planar
-        and (record.surface_wave is not None or scene.wave is not None)
-    ):
+    if moving and not scene.planar and (record.surface_wave is not None or scene.wave is not None):
         drawn["load_line"] = partial(load_line, record)
     return drawn
 

@@ -1,6 +1,7 @@
 """The printed page of a run: one sheet A4 whose text fits above its pictures."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -32,8 +33,8 @@ def test_text_is_as_large_as_its_place_permits():
     assert len(wrapped) - 1 + hidden == 200
 
 
-def test_text_holds_velocity_and_what_the_model_leaves_out():
-    record = run("twente-contact")
+def test_text_holds_velocity_warnings_motor_and_what_the_model_leaves_out():
+    record = replace(run("twente-contact"), warnings=("the balls are too warm",))
     text = "\n".join(printed.text(record))
-    assert "velocity" in text
-    assert "roughness" in text
+    for words in ("velocity", "roughness", "radius 1 mm", "the balls are too warm", *record.left_out):
+        assert words in text

@@ -10,7 +10,7 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.record.prefixes import si
-from studies.record.text import percent
+from studies.record.text import found_entries, percent
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers
 from studies.report.page import report
@@ -95,6 +95,24 @@ def test_a_page_says_everything(contact, driven, pages):
         assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
 
 
+def test_a_page_has_thresholds_power_and_heat_as_the_terminal_does(driven, pages):
+    page = Page(pages["driven"]).text
+    rows = dict(found_entries(driven))
+    assert {"wave", "threshold", "power", "temperature"} <= set(rows)
+    for name, lines in rows.items():
+        assert name in page
+        assert all(line.strip() in page for line in ([lines] if isinstance(lines, str) else lines))
+
+
+def test_numbers_of_the_scene_stand_beside_what_was_written(contact):
+    written = {"slider": {"mass": "0.089 g", "radius": 1e-3}, "wave": {"normal_amplitude": ["3 nm", "0.02 um"]}}
+    lines = re.findall(r"<pre>(.*?)</pre>", report(contact, written), re.S)[-1].splitlines()
+    beside = {key: remark for key, _, remark in (re.split(" = |  # ", line) for line in lines if "  # " in line)}
+    assert beside["mass"] == "0.089 g"
+    assert beside["normal_amplitude"] == "3 nm, 0.02 um"
+    assert beside["radius"] == "1 mm"
+
+
 def test_effects_that_the_model_leaves_out_are_rows_of_a_table(driven, pages):
     cells = Page(pages["driven"]).text
     assert driven.model_error
@@ -107,7 +125,7 @@ def test_effects_that_the_model_leaves_out_are_rows_of_a_table(driven, pages):
 def test_the_picture_of_a_measurement_has_a_caption(contact):
     columns = {"time_s": [0.0, 1e-3], "predicted_m_per_s": [0.0, 0.1], "measured_m_per_s": [0.0, 0.09]}
     trace = {key: np.array(column) for key, column in columns.items()}
-    block = {"trace": trace, "file": "burst.csv", "quantity": "burst"}
+    block = {"trace": trace, "file": "burst.csv", "quantity": "burst", "compared": 2}
     page = report(replace(contact, measured=block))
     assert 'alt="Measured values over computed ones."' in page
 
