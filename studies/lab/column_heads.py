@@ -24,8 +24,9 @@ UNITS = {
 }
 # nouns of instruments' heads for those that are read, the latter in English
 NOUNS = {
-    "u": "voltage", "drive_voltage": "voltage", "spannung": "voltage", "v": "velocity", "speed": "velocity", "geschwindigkeit": "velocity",
-    "zeit": "time", "t": "time", "frequenz": "frequency", "f": "frequency", "weg": "position", "drehzahl": "rotation",
+    "u": "voltage", "drive_voltage": "voltage", "spannung": "voltage",
+    "v": "velocity", "speed": "velocity", "geschwindigkeit": "velocity",
+    "t": "time", "zeit": "time", "f": "frequency", "frequenz": "frequency", "weg": "position", "drehzahl": "rotation",
 }  # fmt: skip
 # nouns of a standard deviation that does not say of what; with a unit of velocities it is that of the velocity
 OF_WHAT = "std standard_deviation std_dev stdev sd sigma uncertainty error standardabweichung unsicherheit".split()

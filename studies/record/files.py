@@ -167,6 +167,8 @@ def read_run(folder: Path) -> dict:
         scene = Scene.from_table("", whole["scene"])
     except FileNotFoundError:
         raise NoRunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
+    except NotADirectoryError:
+        raise NoRunError(f"{str(folder)!r} is a file: name a directory that a run left") from None
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}: {error.msg}"
         raise DamagedRunError(f"{str(folder / 'run.json')!r} is damaged or cut off: {where}") from None

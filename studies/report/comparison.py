@@ -11,10 +11,12 @@ import numpy as np
 import contact
 from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
+from studies.record.prefixes import scaled_unit
 from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
 from studies.record.values import as_array
-from studies.refusal import refuse_ending, refuse_if, writing
+from studies.refusal import SceneError, refuse_ending, refuse_if, writing
+from studies.scene.keys import rule_at, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,7 +115,7 @@ class Comparison:
     def __str__(self) -> str:
         """Return the tables as text: scenes, answers, then the velocities and their changes from the first run."""
         heads, lines = ["", *self.names], []
-        scenes = [[key, *map(_shown, values)] for key, values in self.scenes]
+        scenes = [_scene_row(key, values) for key, values in self.scenes]
         lines += ["what differs in the scenes", *table([heads, *scenes])] if scenes else ["the scenes are equal"]
         shown = [(quantity(key), values) for key, values in self.numbers if quantity(key).head]
         answers = [[known.heading, *(_number(known, each) for each in values)] for known, values in shown]
@@ -142,13 +144,15 @@ class Comparison:
         heads += [f"change of {name}" for name in self.names[1:]]
         rows, beyond = [heads], False
         for here, found in self.points(speed):
-            row = [level.text(here), *(MISSING if each is None else speed.text(each[0]) for each in found)]
+            row = [level.text(here), *(MISSING if each is None else _with_error(speed, *each) for each in found)]
             for each in found[1:]:
                 change, sure = _change(found[0], each)
                 row.append(MISSING if change is None else f"{_percent(change, '+')}{'*' if sure else ' '}")
                 beyond |= sure
             rows.append(row)
-        note = "* by more than both stated errors" if beyond else "all within the stated errors"
+        alone = not any(found[0] and any(found[1:]) for _, found in self.points(speed))
+        note = f"no {level.head} is that of another run" if alone else "all within the stated errors"
+        note = "* by more than both stated errors" if beyond else note
         return [f"{named} and changes from {self.names[0]} ({note})", *table(rows)]
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
@@ -285,19 +289,44 @@ def _change(one: tuple[float, float] | None, other: tuple[float, float] | None) 
     return other[0] / one[0] - 1.0, beyond
 
 
+def _with_error(motion: Quantity, value: float, error: float) -> str:
+    """Return a motion with its stated error as text; without one that is zero, of a slider at rest."""
+    return motion.text(value) + (f" ± {error * motion.scale:.2g}" if error else "")
+
+
 def _percent(value: float | None, sign: str = "") -> str:
     return MISSING if value is None else f"{100.0 * value:{sign}.3g} %"
 
 
-def _shown(value) -> str:
+def _scene_row(key: str, values: list) -> list[str]:
+    """Return a key of the scenes with its unit, and its values in this unit as text."""
+    try:
+        unit = unit_of(rule_at(key))
+    except SceneError:
+        unit = None  # a number of a table that a scene holds, such as a material
+    largest = max((abs(each) for value in values for each in _numbers(value)), default=0.0)
+    factor, shown = scaled_unit(largest, unit)
+    return [f"{key} ({shown})" if shown else key, *(_shown(value, factor) for value in values)]
+
+
+def _numbers(value) -> Iterator[float]:
+    """Yield the numbers in a value of a scene."""
+    if isinstance(value, list):
+        for each in value:
+            yield from _numbers(each)
+    elif isinstance(value, float):
+        yield value
+
+
+def _shown(value, factor: float) -> str:
     """Return a value of a scene as text, a long list by its ends."""
     if value is None:
         return MISSING
     if isinstance(value, list):
         if len(value) > 3:
-            return f"{_shown(value[0])} ... {_shown(value[-1])} ({len(value)})"
-        return ", ".join(map(_shown, value))
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+            return f"{_shown(value[0], factor)} ... {_shown(value[-1], factor)} ({len(value)})"
+        return ", ".join(_shown(each, factor) for each in value)
+    return f"{value * factor:.6g}" if isinstance(value, float) else str(value)
 
 
 def _number(known: Quantity, value) -> str:

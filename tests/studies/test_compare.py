@@ -91,16 +91,26 @@ def test_text_marks_what_is_beyond_the_errors(records, folders, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[:4] == [
         "what differs in the scenes",
-        "                                            seed        rubbed",
-        "      wave.normal_amplitude  5e-10, 9e-10, 1e-08  9e-10, 1e-08",
-        "slider.friction_coefficient                 0.08          0.16",
+        "                                     seed   rubbed",
+        " wave.normal_amplitude (nm)  0.5, 0.9, 10  0.9, 10",
+        "slider.friction_coefficient          0.08     0.16",
     ]
     changed = next(line for line in lines if line.split()[:1] == ["10"])
     assert changed.endswith(f"{100 * (records[1].velocity[1] / records[0].velocity[2] - 1):+.3g} %*")
     assert main(["compare", folders[0], folders[0]]) == 0
     out = capsys.readouterr().out
     assert "the scenes are equal" in out
+    assert "all within the stated errors" in out
     assert "*" not in out
+
+
+def test_every_velocity_stands_with_its_error_and_runs_without_a_common_level_are_not_called_equal(records):
+    pair = compare(*records)
+    ((velocity, error), _) = dict(pair.points())[10e-9]
+    assert f"{velocity * 1e3:.5g} ± {error * 1e3:.2g}" in str(pair)
+    assert "0 ± 0" not in str(pair)
+    apart = compare(records[0], run(records[0].scene.replace(wave={"normal_amplitude": "11 nm"})))
+    assert "velocities and changes from 1 (no u_z is that of another run)" in str(apart)
 
 
 def test_json_and_picture(folders, tmp_path, capsys):
@@ -124,6 +134,10 @@ def test_refusals(records, folders, tmp_path, capsys):
         compare(records[0], run("rayleigh"))
     assert main(["compare", folders[0], str(tmp_path)]) == 2
     assert capsys.readouterr().err == (f"sawmotor: '{tmp_path}' holds no run.json: name a directory that a run left\n")
+    scene = tmp_path / "motor.toml"
+    scene.touch()
+    assert main(["compare", str(scene), folders[0]]) == 2
+    assert capsys.readouterr().err == f"sawmotor: '{scene}' is a file: name a directory that a run left\n"
     assert main(["compare", *folders, "--picture", str(tmp_path / "x.gif")]) == 2
     assert capsys.readouterr().err.strip() == (
         f"sawmotor: --picture must end in one of .png, .svg, .pdf, got '{tmp_path / 'x.gif'}'"
