@@ -22,14 +22,21 @@ UNITS = {
     *(POSITIONS | FREQUENCIES | MOTIONS | VOLTAGES | PHASES | TIMES | YAW_RATES | ROTATIONS),
     *(f"{unit}_per_V" for unit in MOTIONS),
 }
-# nouns of instruments' heads for those that are read, the latter in English
-NOUNS = {
-    "u": "voltage", "drive_voltage": "voltage", "spannung": "voltage",
-    "v": "velocity", "speed": "velocity", "geschwindigkeit": "velocity",
-    "t": "time", "zeit": "time", "f": "frequency", "frequenz": "frequency", "weg": "position", "drehzahl": "rotation",
-}  # fmt: skip
-# nouns of a standard deviation that does not say of what; with a unit of velocities it is that of the velocity
-OF_WHAT = "std standard_deviation std_dev stdev sd sigma uncertainty error standardabweichung unsicherheit".split()
+# nouns of instruments' heads for those that are read, with the units that they have then
+NOUNS = (
+    ("voltage", ("u", "v", "drive_voltage", "spannung"), VOLTAGES),
+    ("velocity", ("v", "geschwindigkeit"), VELOCITIES),
+    ("time", ("t", "zeit"), TIMES),
+    ("frequency", ("f", "frequenz"), FREQUENCIES),
+    ("position", ("weg",), POSITIONS),
+    ("rotation", ("drehzahl",), ROTATIONS),
+    # of a standard deviation that does not say of what
+    (
+        "velocity_standard_deviation",
+        "std standard_deviation std_dev stdev sd sigma uncertainty error standardabweichung unsicherheit".split(),
+        VELOCITIES,
+    ),
+)
 BRACKETED = re.compile(r"(.+?)\s*[(\[]\s*([^()\[\]]+?)\s*[)\]]")
 SLASHED = re.compile(r"(.+?)\s+/\s+(.+)")  # as DIN 1313 writes a quantity over its unit
 PLAIN = re.compile(r"[^\s()\[\]/]+")  # as the program writes heads
@@ -64,6 +71,8 @@ def head_of_column(text: str, unit: str = "") -> str:
     ('velocity_mm_per_s', 'voltage_V', 'u_z_magnitude_nm_per_V')
     >>> head_of_column("Zeit", "ms"), head_of_column("velocity_mm/s"), head_of_column("slider.preload")
     ('time_ms', 'velocity_mm_per_s', 'slider.preload')
+    >>> head_of_column("V (mV)"), head_of_column("v (mm/s)"), head_of_column("u (nm)")
+    ('voltage_mV', 'velocity_mm_per_s', 'u_nm')
     """
     text, noun = text.strip(), ""
     if not unit and not PLAIN.fullmatch(text):
@@ -71,9 +80,7 @@ def head_of_column(text: str, unit: str = "") -> str:
     if not unit:
         return text
     noun = re.sub(r"[\s\-]+", "_", re.sub(r"[.:,]", " ", noun or text).strip()).lower()
-    noun = NOUNS.get(noun, noun)
-    if noun in OF_WHAT:
-        noun = "velocity_standard_deviation" if unit in VELOCITIES else noun
+    noun = next((ours for ours, theirs, units in NOUNS if noun in theirs and unit in units), noun)
     return f"{noun}_{unit}"
 
 
