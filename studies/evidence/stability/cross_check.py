@@ -88,21 +88,20 @@ def cross_check(state: SteadyState) -> CrossCheck:
     climb = amplitude * slider.normal_resonance(len(driven)) / driven.frequency
     units = np.array([amplitude, climb or 1.0, reference or 1.0])
 
-    def checked(stepped):
-        cycles = STEPPED_CYCLES if stepped else _cycle_count(problem)
-        runs = _Runs(problem, stepped, cycles, units)
-        velocity, error = _sticking(slider, runs, begin) if state.velocity == 0.0 else _moving(runs, begin)
-        return CrossCheck(
-            velocity=float(side * velocity * problem.speed), error=float(error * problem.speed),
-            method="stepped" if stepped else "exact", cycles=cycles,
-        )  # fmt: skip
-
-    if not stepped_refusals(slider, problem, STEPS[0]):
+    # the event-driven method may resolve what the steps do not
+    methods = ("exact",) if stepped_refusals(slider, problem, STEPS[0]) else ("stepped", "exact")
+    for method in methods:
         try:
-            return checked(stepped=True)
-        except ConvergenceError:
-            pass  # the event-driven method may resolve what the steps do not
-    return checked(stepped=False)
+            runs = _Runs(problem, method == "stepped", _cycle_count(problem, method), units)
+            velocity, error = _sticking(slider, runs, begin) if state.velocity == 0.0 else _moving(runs, begin)
+        except ConvergenceError as failed:
+            failure = failed
+        else:
+            return CrossCheck(
+                velocity=float(side * velocity * problem.speed), error=float(error * problem.speed), method=method,
+                cycles=runs.cycles,
+            )  # fmt: skip
+    raise failure
 
 
 def _moving(runs, begin):
@@ -251,7 +250,9 @@ class _Runs(NamedTuple):
         return motion
 
 
-def _cycle_count(problem):
+def _cycle_count(problem, method):
+    if method == "stepped":
+        return STEPPED_CYCLES
     segments_per_cycle = max(24.0, problem.segments)
     cycles = max(LEAST_CYCLES, int(EXACT_SEGMENTS / segments_per_cycle))
     if cycles * segments_per_cycle > MAX_SEGMENTS:

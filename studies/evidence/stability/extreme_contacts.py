@@ -3,7 +3,7 @@
 Method: the seed's slider on a wave of 5 nm; one quantity at a time, and then all at random between their ends, laws and
 numbers of balls too.  The steady velocity at a tolerance of 1e-3 is compared with runs in time that start at it
 (`cross_check`).  Expected: an answer within its stated error, an answer whose status says that it misses the
-tolerance, or a refusal with the reason; never NaN or a traceback.  Run time: about a minute of one processor.
+tolerance, or a refusal with the reason; never NaN or a traceback.  Run time: about two minutes of one processor.
 """
 
 import json
