@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -99,13 +99,19 @@ class Progress:
     """Context manager that shows what is logged meanwhile and for how long.
 
     In a terminal it is one live line, elsewhere a new line now and then.
+
+    Parameters
+    ----------
+    expected : float, optional
+        Time in s that the whole computation is expected to take, which is shown beside the time so far.
     """
 
-    def __init__(self):
-        self._start_time = time.perf_counter()
+    def __init__(self, expected: float | None = None):
+        self._start_time, self._expected = time.perf_counter(), expected
         self.text = "starting"
         self._lock = threading.Lock()
-        self._live = self._first = None
+        self._live: Any = None  # rich's, which is imported where it is shown
+        self._first: tuple[int, float] | None = None
         self._shown = self._over = False
         self._printed = 0.0
         self._reports = reported_to(self)
@@ -175,14 +181,29 @@ class Progress:
         """Return what the live line shows; rich asks for it at each drawing."""
         from rich.text import Text
 
-        return Text(f"{self.text} ({duration(time.perf_counter() - self._start_time)})")
+        return Text(f"{self.text} ({so_far(time.perf_counter() - self._start_time, self._expected)})")
 
     def _show(self) -> None:
         if not self._shown or self._live is not None:
             return
         if (now := time.perf_counter()) > self._printed + max(PATIENCE, MIN_INTERVAL * (now - self._start_time)):
             self._printed = now
-            print(f"{self.text} ({now - self._start_time:.1f} s)", file=sys.stderr, flush=True)
+            print(f"{self.text} ({so_far(now - self._start_time, self._expected)})", file=sys.stderr, flush=True)
+
+
+def so_far(seconds: float, expected: float | None) -> str:
+    """Return the time that a computation has taken, and what it is expected to take where that is known.
+
+    Examples
+    --------
+    >>> so_far(12.1, None), so_far(12.1, 21.0), so_far(75.0, 21.0)
+    ('12.1 s', '12.1 s of about 21 s', '1 min 15 s; about 21 s were expected')
+    """
+    passed = duration(seconds)
+    if expected is None:
+        return passed
+    about = f"about {duration(round(expected)).replace('.0 s', ' s')}"
+    return f"{passed} of {about}" if seconds <= expected else f"{passed}; {about} were expected"
 
 
 def duration(seconds: float) -> str:

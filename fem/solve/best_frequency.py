@@ -12,6 +12,7 @@ suffices for few pairs; from MANY_PAIRS on, where the passband is narrower, the 
 LiNbO3).
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, lru_cache
@@ -30,6 +31,8 @@ from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
 from fem.waveguide.guided_modes import GuidedModes, guided_modes, power
 from fem.waveguide.port_fields import PortFields, joined_cascade, stator_cascade
+
+LOGGER = logging.getLogger(__name__)
 
 MANY_PAIRS = 25  # finger pairs from which the finer level is used
 SCAN, STEP = 2.0, 0.2  # half-width of the scan and its step, over the relative width 1/N of the passband
@@ -168,7 +171,11 @@ def _maximise(power_at: Callable[[float, Resolution], float], guess: float, tran
     if transducer.cell != "plain":
         reach = min(reach, CELL_REACH)
     scan = guess * np.linspace(max(1 - reach, MIN_SCAN), 1 + reach, count)
-    power = np.array([power_at(float(value), LEVELS[0]) for value in scan])
+    power = np.empty(count)
+    for k, value in enumerate(scan.tolist()):
+        LOGGER.debug("trial %d of %d", k + 1, count)
+        power[k] = power_at(value, LEVELS[0])
+    LOGGER.debug("between the best trials")
     padded = np.concatenate([[-np.inf], power, [-np.inf]])
     peaks = np.flatnonzero((power >= padded[:-2]) & (power >= padded[2:]) & (power >= RIVAL * power.max()))
     highest = peaks[np.argsort(-power[peaks])][:2]

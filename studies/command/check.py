@@ -5,6 +5,7 @@ import argparse
 from studies.command.options import add_shared
 from studies.command.output import warn
 from studies.command.scene_argument import changed_file
+from studies.progress import Progress
 from studies.scene import Scene
 
 HELP = "check the text, material and layout of a scene without running it"
@@ -12,7 +13,7 @@ HELP = "check the text, material and layout of a scene without running it"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_shared(parser, "scene", "--voltage", "--set")
+    add_shared(parser, "scene", "--voltage", "--set", "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -23,9 +24,15 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.report.contents import contents
 
     file = changed_file(arguments)
-    with file.located():
+    if arguments.explain:
+        from studies.report.explained_calls import explained_check
+
+        print(explained_check(Scene.from_file(file)))
+        return 0
+    with Progress(), file.located():
         scene = resolved(Scene.from_file(file))
+        parts = labelled(contents(scene), 12)
     print(f"{arguments.scene}: {scene.title or 'no title'}")
-    print("\n".join(f"  {line}" for line in labelled(contents(scene), 12)))
+    print("\n".join(f"  {line}" for line in parts))
     warn(scene_warnings(scene))
     return 0

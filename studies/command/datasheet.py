@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.options import add_shared
-from studies.command.output import committed_pictures, print_answer, results_of, warn, warn_of_scene
+from studies.command.output import committed_pictures, print_answer, results_of, say, warn, warn_of_scene
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
@@ -21,17 +21,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(arguments: argparse.Namespace) -> int:
     """Compute a motor's datasheet; print its table and write its page and numbers."""
     from studies.report.datasheet_page import page
+    from studies.report.explained_calls import datasheet_seconds, explained_datasheet
+    from studies.report.explanation import long_wait
     from studies.report.motor_datasheet import datasheet as computed
     from studies.results.content import write_json
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     if arguments.explain:
-        from studies.report.explained_calls import explained_datasheet
-
-        print(explained_datasheet(scene, tolerance=tolerance))
+        with Progress():
+            text = explained_datasheet(scene, tolerance=tolerance)
+        print(text)
         return 0
+    with Progress():
+        expected = datasheet_seconds(scene, tolerance=tolerance)
     warned = warn_of_scene(scene)
-    with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress():
+    say(long_wait(expected))
+    with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress(expected):
         sheet = computed(scene, tolerance=tolerance)
         if result is not None:
             write_json(result.folder / "datasheet.json", sheet.to_dict())

@@ -45,22 +45,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--voltage", "--set", "--tolerance")
     out = "a directory, or a file such as net.s2p where there is one (results/NAME-export-FORMAT)"
     parser.add_argument("--out", metavar="PATH", help=out)
-    add_shared(parser, "--no-plot")
+    add_shared(parser, "--explain", "--no-plot")
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Write a run or a scene in a format of other programs."""
     from studies.record.text import labelled
+    from studies.report.explanation import long_wait
 
     checked(arguments)
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
+    with Progress():
+        contents, seconds = expected_export(arguments, scene, tolerance=tolerance)
+    if arguments.explain:
+        from studies.report.explained_calls import explained_export
+
+        print(explained_export(arguments.format, contents, seconds))
+        return 0
+    say(long_wait(seconds))
     out = results_folder(arguments, f"{name}-export-{arguments.format}")
     origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
     alone = named and names_file(out, arguments, scene)
     target = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
-    with target as result, Progress():
+    with target as result, Progress(seconds):
         done = exported(arguments, scene, name, tolerance=tolerance)
         if result is None:
             done.write_alone(out)
@@ -79,6 +88,7 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
+RECORDED = ("uff", "csv", "touchstone")  # formats of instruments
 # by format: pattern of file endings, module of studies.export that writes it, and its options in addition to those of
 # the scene
 FORMATS = {
@@ -126,16 +136,36 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
     """Return the export of a call without writing it; SceneError for options that the format does not take."""
     keys = checked(arguments)
     options: dict[str, Any] = {key: value for key in keys if (value := getattr(arguments, key)) not in (None, [])}
-    if arguments.format in ("uff", "csv", "touchstone"):
-        from studies.export import instruments  # with SciPy's integration: a mask needs neither
-        from studies.report.explanation import announced
-
-        recording = instruments.Recording(**options)
-        options = {"recording": recording}
-        if arguments.format == "touchstone" or recording.scan == "frequency":
-            say(announced(instruments.expected_seconds(scene, recording, tolerance)))
+    if arguments.format in RECORDED:
+        options = {"recording": recording_of(options)}
     module = import_module(f"studies.export.{FORMATS[arguments.format][1]}")
     return getattr(module, f"{arguments.format}_files")(scene, name, tolerance=tolerance, **options)
+
+
+def recording_of(options: dict):
+    """Return what an instrument records, from the options of its format."""
+    from studies.export import instruments  # with SciPy's integration: a mask needs neither
+
+    return instruments.Recording(**options)
+
+
+def expected_export(arguments: argparse.Namespace, scene: Scene, *, tolerance: float) -> tuple[str, float]:
+    """Return what an export holds, and the expected time in s."""
+    from studies.report.explained_calls import field_seconds, mask_seconds, motor_seconds
+
+    file_format = arguments.format
+    if file_format in ("gds", "dxf"):
+        return "layout of the transducers: the stator is not solved", mask_seconds(scene)
+    if file_format in ("fmu", "c") or (file_format == "csv" and arguments.scan is None and scene.slider is not None):
+        contents = "stator over a band for its ring-up, and tables of mean forces"
+        return contents, motor_seconds(scene, tolerance=tolerance)
+    if file_format == "touchstone" or arguments.scan == "frequency":
+        from studies.export import instruments
+
+        keys = {key: value for key in checked(arguments) if (value := getattr(arguments, key)) not in (None, [])}
+        seconds = instruments.expected_seconds(scene, recording_of(keys), tolerance)
+        return "admittances, or motions, over a band of frequencies", seconds
+    return "motion at the surface: the stator is solved once", field_seconds(scene, tolerance=tolerance)
 
 
 def checked(arguments: argparse.Namespace) -> tuple[str, ...]:

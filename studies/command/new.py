@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from studies.command.options import add_shared
 from studies.command.output import say
 from studies.progress import Progress
 from studies.refusal import refuse_unwritable, writing
@@ -17,12 +18,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--speed", metavar="V", help='wanted without a load, such as "0.2 m/s"')
     parser.add_argument("--thrust", metavar="F", help='wanted at the stall, such as "5 mN"')
     parser.add_argument("--out", metavar="FILE", help="the scene's file; none: stdout")
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Print a first scene, or write it into a new file."""
     from studies.inverse.first_scene import first_scene
 
+    if arguments.explain:
+        from studies.report.explained_calls import explained_first_scene
+
+        print(explained_first_scene(arguments.frequency, arguments.material))
+        return 0
     file = None if arguments.out is None else Path(arguments.out)
     if file is not None:
         refuse_unwritable(file, "--out", new=True)

@@ -52,7 +52,7 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.record.files import write_netcdf, write_run
     from studies.record.text import answer
     from studies.report.drawing import Drawing
-    from studies.report.explanation import explanation, long_wait, plan
+    from studies.report.explanation import expected_seconds, explanation, long_wait, plan
     from studies.runs import run as run_chain
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
@@ -64,7 +64,8 @@ def call(arguments: argparse.Namespace) -> int:
         measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)
     if arguments.explain:
-        planned = plan(scene, tolerance=tolerance)
+        with Progress():
+            planned = plan(scene, tolerance=tolerance)
         print_answer(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
@@ -85,13 +86,15 @@ def call(arguments: argparse.Namespace) -> int:
         "--field",
         "keeps the field of a driven stator, and this scene has no [[transducer]]",
     )
+    with Progress():
+        expected = expected_seconds(scene, tolerance=tolerance)
     warned = warn_of_scene(scene)
-    say(long_wait(scene, tolerance=tolerance))
+    say(long_wait(expected))
     with ExitStack() as stack:
         result, out = stack.enter_context(results_of(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
-        with Progress(), _compiled_aside(scene):
+        with Progress(expected), _compiled_aside(scene):
             record = run_chain(scene, tolerance=tolerance)
             if measured is not None:
                 from studies.solve.measured_run import measured_block

@@ -2,6 +2,7 @@
 
 import argparse
 
+from studies.command.options import add_shared
 from studies.command.output import say
 from studies.progress import Progress
 
@@ -35,15 +36,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--voltage", metavar="V", help="of the contact; of a prescribed wave its amplitude in m (the largest)"
     )
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
+    from studies.report.explained_calls import explained_view, field_seconds
     from studies.view import view as show
+    from studies.view.run_field import saved_run
     from studies.view.view_options import Wanted
 
     wanted = Wanted.read(arguments)
-    with Progress():
+    record = saved_run(arguments.run)
+    if arguments.explain:
+        shown = wanted.show or ("field" if record.scene.stator is not None else "contact")
+        print(explained_view(record, shown, tuple(wanted.files.values())))
+        return 0
+    with Progress(field_seconds(record.scene, tolerance=record.tolerance)):
         show(arguments.run, wanted, note=lambda text: say([text]))
     print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0

@@ -10,6 +10,7 @@ the scene that is stored with a result can be run again with the same numbers.  
 """
 
 import itertools
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -30,6 +31,8 @@ from studies.scene.drive import Element
 from studies.scene.keys import tolerances
 from studies.scene.slider_keys import Slider
 from studies.scene.stator_keys import Stator, Transducer
+
+LOGGER = logging.getLogger(__name__)
 
 MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
 # Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine. In the plane the averaged
@@ -235,6 +238,7 @@ def _with_source_numbers(model: Model) -> Model:
     with stator_keys("drive.frequency"):
         if scene.drive.frequency == "center":
             driven = scene.driven_transducer
+            LOGGER.info("search for the frequency of the strongest wave")
             frequency = fem.best_frequency(block, unturned(driven, driven.wavelength))
             return model.with_blocks(drive=replace(scene.drive, frequency=frequency))
 
@@ -245,6 +249,7 @@ def _with_source_numbers(model: Model) -> Model:
             return each
         frequency = own.get(each.name, scene.frequency)
         if each.period == "auto" and each.has_two_electrodes:
+            LOGGER.info("search for the period of the strongest wave")
             period = fem.best_period(block, unturned(each, 1.0), frequency)
         else:
             period = _half_space_period(replace(block, thickness=math.inf), frequency, each.metallisation)

@@ -1,17 +1,35 @@
-"""What ``--explain`` prints for commands of many runs: points, stators, about what time, and the plan of one run.
+"""What ``--explain`` prints for commands other than ``run``: what they compute and about how long it takes.
 
-Nothing is computed.
+Nothing is computed, but for automatic periods and frequencies where the plan of a run is printed too.
 """
 
 import inspect
+from collections.abc import Sequence
+from dataclasses import replace
 
 from studies.model.model import changes_stator
 from studies.progress import duration
+from studies.record import Record
 from studies.record.text import labelled
-from studies.report.explanation import TIME_WITHIN, explanation, plan, sweep_seconds
+from studies.report.explanation import (
+    BAND,
+    SEARCH,
+    START,
+    TIME_WITHIN,
+    expected_seconds,
+    explanation,
+    plan,
+    sweep_seconds,
+)
 from studies.scene import Scene
 
 EXPECTED = "expected time"
+DATASHEET_RUNS = (
+    3  # time of a datasheet over the expected one of a run; CPU seconds of 10 MHz motors on 128YX: 26 over 6
+)
+FIRST_SCENE = 8.0  # s: half-space, search, and the stator once
+DRAWING = 3.0  # s: a picture or a page, with the imports that it needs
+TABLES = 15.0  # s: mean forces of a motor for simulators
 
 
 def explained_sweep(design, scene: Scene, *, tolerance: float) -> str:
@@ -33,19 +51,94 @@ def explained_search(scene: Scene, keys, *, evaluations: str, tolerance: float) 
     return _with_run([*entries, ("stator", each if scene.wave is None else "none")], scene, tolerance)
 
 
+def datasheet_seconds(scene: Scene, *, tolerance: float) -> float:
+    """Return the expected time of a datasheet in s."""
+    return DATASHEET_RUNS * expected_seconds(scene, tolerance=tolerance)
+
+
 def explained_datasheet(scene: Scene, *, tolerance: float) -> str:
     """Return the plan of a datasheet."""
     contents = (
         "the run below, then load lines at three levels, start and stop of a burst, step, limits and power, all on the "
         "same stator"
     )
-    return _with_run([("contents", contents)], scene, tolerance)
+    seconds = datasheet_seconds(scene, tolerance=tolerance)
+    return _with_run([("contents", contents), _time(seconds, "in all")], scene, tolerance)
 
 
 def explained_study(name: str, documentation: str, seconds: float) -> str:
     """Return the method of a study and its expected time."""
     text = inspect.cleandoc(documentation).splitlines()
     return "\n".join([f"{name}: nothing has been computed", "", *text, "", *labelled([_time(seconds, "in all")])])
+
+
+def searches(scene: Scene) -> int:
+    """Return how many periods or frequencies of the strongest wave a scene lets the program search for."""
+    periods = sum(each.period == "auto" for each in scene.transducer)
+    return periods + bool(scene.transducer and scene.drive.frequency == "center")
+
+
+def explained_check(scene: Scene) -> str:
+    """Return what ``sawmotor check`` does with a scene."""
+    entries = [
+        ("checks", "keys, units, ranges, files, material and layout; what a run computes: sawmotor run --explain")
+    ]
+    if count := searches(scene):
+        entries += [("searches", f"{count}, for the period or the frequency of the strongest wave")]
+    return _nothing("check", [*entries, _time(START + SEARCH * count, "in all")])
+
+
+def explained_first_scene(frequency: str, material: str) -> str:
+    """Return what ``sawmotor new`` does."""
+    entries = [
+        ("sizes", f"a motor of {frequency} on {material}, by rules that stand beside its lines"),
+        ("wave", "that of the half-space, without a mesh: the wavelength, in which all lengths are sized"),
+        ("stator", "solved once to 1e-2 after a search for the period: the voltage of a wanted amplitude"),
+        _time(FIRST_SCENE, "in all"),
+    ]
+    return _nothing("new", entries)
+
+
+def explained_comparison(runs: Sequence[str]) -> str:
+    """Return what ``sawmotor compare`` does."""
+    entries = [("reads", f"run.json of {', '.join(map(str, runs))}"), ("solves", "nothing"), _time(START, "in all")]
+    return _nothing("compare", entries)
+
+
+def field_seconds(scene: Scene, *, tolerance: float) -> float:
+    """Return the expected time in s of the field of a scene alone, with a picture of it."""
+    if not scene.transducer:
+        return START + DRAWING
+    surface = replace(scene, slider=None)
+    return START + DRAWING + SEARCH * searches(scene) + plan(surface, tolerance=tolerance)["expected"]["stator_seconds"]
+
+
+def mask_seconds(scene: Scene) -> float:
+    """Return the expected time in s of a mask."""
+    return START + DRAWING + SEARCH * searches(scene)
+
+
+def explained_view(record: Record, show: str, files: Sequence[str]) -> str:
+    """Return what ``sawmotor view`` does with a run; ``show``: field, solid, beam or contact."""
+    field = "solved again as in the run, which keeps no field" if record.scene.stator is not None else "none"
+    contact = [("contact", "followed through one cycle")] if show == "contact" else []
+    entries = [("shows", show), ("stator", field), *contact, ("files", ", ".join(files) or "none: a window")]
+    return _nothing("view", [*entries, _time(field_seconds(record.scene, tolerance=record.tolerance), "in all")])
+
+
+def motor_seconds(scene: Scene, *, tolerance: float) -> float:
+    """Return the expected time in s of a motor for simulators: its stator over a band, and its tables of forces."""
+    stator = 0.0 if scene.wave is not None else 2.0 * plan(scene, tolerance=tolerance)["expected"]["stator_seconds"]
+    return START + TABLES + BAND * stator
+
+
+def explained_export(file_format: str, contents: str, seconds: float) -> str:
+    """Return what ``sawmotor export`` does."""
+    return _nothing("export", [("format", file_format), ("contents", contents), _time(seconds, "in all")])
+
+
+def _nothing(command: str, entries) -> str:
+    return "\n".join([f"sawmotor {command}: nothing has been computed", *labelled(entries)])
 
 
 def _time(seconds: float, where: str) -> tuple[str, str]:

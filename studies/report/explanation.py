@@ -117,15 +117,20 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     }  # fmt: skip
 
 
-def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
-    """Return a sentence on the expected time of a run that takes more than a minute; otherwise an empty tuple."""
-    return announced(plan(scene, tolerance=tolerance)["expected"]["seconds"], " (--explain lists the parts)")
+def expected_seconds(scene: Scene, *, tolerance: float) -> float:
+    """Return the expected time of a run in s."""
+    return plan(scene, tolerance=tolerance)["expected"]["seconds"]
+
+
+def long_wait(expected: float) -> tuple[str, ...]:
+    """Return the sentence of `announced` for a command with --explain."""
+    return announced(expected, " (--explain lists the parts)")
 
 
 def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> tuple[str, ...]:
     """Return the sentence of `long_wait` for a sweep; the arguments are those of `sweep_seconds`."""
     seconds = sweep_seconds(scene, tolerance=tolerance, stators=stators, points=points)
-    return announced(seconds, " (--explain lists the parts)")
+    return long_wait(seconds)
 
 
 def sweep_seconds(scene: Scene, *, tolerance: float, stators: int, points: int) -> float:

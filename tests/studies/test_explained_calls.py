@@ -2,7 +2,10 @@
 
 import pytest
 
+from studies import Scene
 from studies.__main__ import main
+from studies.record import Record
+from studies.record.point import Point
 
 
 @pytest.fixture
@@ -55,6 +58,51 @@ def test_searches_say_which_numbers_solve_the_stator_again(said, tmp_path):
     assert fitted["stator"] == "solved once"
     contact = entries(said("fit", "twente-contact", "--data", "v.csv", "--free", "slider.mass=1e-4:1e-3"))
     assert contact["stator"] == "none"
+
+
+@pytest.fixture
+def run_folder(tmp_path):
+    """A run on a stator as its directory, without its field."""
+    scene = Scene.load("twente").replace(drive={"voltage": [20.0]})
+    point = Point(voltage_V=20.0, velocity_m_per_s=-0.02, relative_error=1e-3, tangential_amplitude_m=1e-9)
+    folder = tmp_path / "kept"
+    Record(scene=scene, tolerance=1e-3, points=(point,), seconds={"total": 1.0}).save(folder)
+    return str(folder)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("check", "twente"), {"checks": "keys, units"}),
+        (("check", "twente", "--set", "transducer.0.period=auto"), {"searches": "1, for the period"}),
+        (("new", "--frequency", "2.2 MHz", "--material", "PZT-8"), {"sizes": "a motor of 2.2 MHz on PZT-8"}),
+        (("compare", "RUN", "RUN"), {"solves": "nothing"}),
+        (
+            ("view", "RUN", "--screenshot", "wave.png"),
+            {"shows": "field", "stator": "solved again", "files": "wave.png"},
+        ),
+        (("view", "RUN", "--show", "contact"), {"contact": "followed through one cycle"}),
+        (("export", "twente", "--format", "gds"), {"contents": "layout of the transducers"}),
+        (("export", "twente", "--format", "fmu"), {"contents": "stator over a band"}),
+        (("export", "twente", "--format", "csv", "--scan", "x"), {"contents": "motion at the surface"}),
+        (("export", "twente", "--format", "touchstone"), {"contents": "admittances"}),
+    ],
+)
+def test_every_command_that_computes_explains_itself(words, expected, said, run_folder):
+    text = said(*(run_folder if word == "RUN" else word for word in words))
+    assert text.startswith(f"sawmotor {words[0]}: nothing has been computed\n")
+    found = entries(text)
+    assert float(found["expected time"].split()[0]) > 0.0
+    assert found["expected time"].endswith("within a factor of 3")
+    for name, beginning in expected.items():
+        assert found[name].startswith(beginning)
+
+
+def test_a_motor_for_simulators_takes_longer_than_a_scan_and_a_scan_longer_than_a_mask(said):
+    formats = [("fmu",), ("csv", "--scan", "x"), ("gds",)]
+    found = [entries(said("export", "twente", "--format", *words))["expected time"] for words in formats]
+    times = [float(each.split()[0]) * (60.0 if each.split()[1] == "min" else 1.0) for each in found]
+    assert times[0] > times[1] > times[2]
 
 
 def test_datasheet_and_study_tell_their_contents(said):

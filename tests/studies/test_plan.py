@@ -148,10 +148,10 @@ def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize(("levels", "said"), [(1000, None), (30_000, "about 10 minutes"), (400_000, "about 2.2 hours")])
 def test_a_run_of_more_than_a_minute_is_said_before_it_begins(levels, said):
-    from studies.report.explanation import long_wait
+    from studies.report.explanation import expected_seconds, long_wait
 
     chosen = Scene.load("twente-contact").replace(wave={"normal_amplitude": f"1 nm:20 nm:{levels}"})
-    sentences = long_wait(chosen, tolerance=1e-3)
+    sentences = long_wait(expected_seconds(chosen, tolerance=1e-3))
     assert bool(sentences) == (said is not None)
     assert said is None or said in sentences[0]
 

@@ -7,6 +7,7 @@ import re
 import time
 
 import contact
+import fem
 from studies import Scene, run
 from studies.progress import Progress, counted, reported_to
 
@@ -30,6 +31,26 @@ def test_a_slow_task_is_shown_on_stderr(capsys, monkeypatch):
     assert out == ""
     assert "first (0." in err
     assert "second (0." in err
+
+
+def test_the_expected_time_stands_beside_the_time_so_far(capsys, monkeypatch):
+    monkeypatch.setattr("studies.progress.PATIENCE", 0.01)
+    for expected, words in ((60.0, " of about 1 min 0 s)"), (0.001, "; about 0 s were expected)")):
+        progress = Progress(expected)
+        progress("stator")
+        with progress:
+            time.sleep(0.1)
+        assert words in capsys.readouterr().err
+
+
+def test_the_search_for_a_period_is_reported_by_its_trials():
+    block = fem.Stator(solid=fem.material("PZT-8"), length=40e-3, thickness=5e-3, ends="absorbing")
+    row = fem.Transducer(name="t", center=20e-3, finger_pairs=3, period=1e-3, metallisation=0.5, aperture=20e-3)
+    texts = []
+    with reported_to(texts.append):
+        fem.best_period(block, row, 2.2e6)
+    assert [f"trial {k} of 21" in texts for k in (1, 11, 21)] == [True] * 3
+    assert texts[-1] == "between the best trials"
 
 
 def test_a_detail_is_reported_behind_its_step_and_nothing_afterwards():
