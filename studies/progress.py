@@ -80,7 +80,7 @@ class Countdown:
 
     def text(self, done: int) -> str:
         """Return the text after a number of parts."""
-        if not self._total:
+        if done > self._total:  # unknown, or an estimate that was too small
             return f"{self._what}: {done}{self._parts}"
         left = (time.perf_counter() - self._start) * (self._total / done - 1.0) if done else 0.0
         about = f", about {duration(left)} left" if left > PATIENCE else ""

@@ -136,9 +136,11 @@ def first_scene(
         ],
         "drive": {"frequency": written, "transducer": "left", "voltage": 1.0},
     }  # fmt: skip
-    amplitude = RISE
+    amplitude, of_speed = RISE, ", as in published motors"
     if speed is not None:
         amplitude = _read("--speed", speed, "m/s") / (SHARE_OF_CREST * 2.0 * math.pi * frequency * ratio)
+        speed = _with_unit(speed, "m/s")
+        of_speed = f": {speed} is {SHARE_OF_CREST:g} of 2 pi f u_x, the speed of the wave's crests"
     slider, why = _slider(solid, wavelength, aperture, amplitude, thrust)
     table["slider"] = {"position": _length(place)} | slider
     volts = _volts(table, amplitude)
@@ -156,11 +158,15 @@ def first_scene(
         else "many: the coupling is weak",
         "transducer.0.period": "the one that gives the strongest wave",
         "transducer.0.aperture": f"{APERTURE:g} wavelengths: the beam stays together up to the slider",
-        "drive.voltage": f"{volts:.3g} V give {amplitude * 1e9:.3g} nm under the slider",
+        "drive.voltage": f"{volts:.3g} V give {amplitude * 1e9:.3g} nm under the slider{of_speed}",
     } | why
+    wanted = [f"{_with_unit(written, 'Hz')} on {material}"]
+    wanted += [f"{speed} without a load"] if speed is not None else []
+    wanted += [f"{_with_unit(thrust, 'N')} at the stall"] if thrust is not None else []
     unusual = tuple(hard_to_get(2.0 * place, slider))
     remarks = (
         "A first motor, sized by rules of thumb: what a measurement or a data sheet says is better than each of them.",
+        f"Wanted: {', '.join(wanted)}.",
         "sawmotor run FILE computes it; sawmotor design FILE searches better numbers within ranges.",
         *unusual,
     )
@@ -204,6 +210,10 @@ def _read(option: str, value, unit: str) -> float:
     return Quantity(unit).read(option, si_value(option, value, unit))
 
 
+def _with_unit(value: float | str, unit: str) -> str:
+    return value if isinstance(value, str) else f"{value:g} {unit}"
+
+
 def _cut(text: str) -> tuple:
     """Return the name of a material, its orientation and the rotated solid."""
     name, cut = (CUTS[text], text) if text in CUTS else (text, "Z")
@@ -214,7 +224,8 @@ def _cut(text: str) -> tuple:
         try:
             material, solid = named_solid(name if space else text)
         except (SceneError, fem.InputError):
-            raise SceneError("--material", str(getattr(refusal, "rule", refusal))) from None
+            hint = '; a cut stands behind its material, as in "LiNbO3 127YX"'
+            raise SceneError("--material", f"{getattr(refusal, 'rule', refusal)}{hint}") from None
     with input_errors("--material"):
         rotated = fem.rotated(solid, ORIENTATION.read("--material", cut))
     return material if isinstance(material, str) else name, cut, rotated

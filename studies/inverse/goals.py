@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from studies.inverse.free_parameters import Parameter, read_parameter
 from studies.record.quantities import quantity
-from studies.refusal import SceneError, misread, nearest, refuse_if
+from studies.refusal import SceneError, misread, nearest, refuse_if, resembling
 from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
 # by goal: quantities of a point, of which the first that has a value is taken, and True if less is better
+SYNONYMS = {"speed": "velocity", "force": "thrust", "resolution": "step_resolution"}  # for a hint
 GOALS = {
     "velocity": ((quantity.velocity_m_per_s,), False),  # at the slider's position
     "mean_velocity": ((quantity.mean_velocity_m_per_s,), False),  # over half a wavelength about it
@@ -106,6 +107,10 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
             raise SceneError(f"minimise {name}", f"must be of {', '.join(least)}")
         elif text in least:
             raise SceneError(f"goals {text}", "can only be minimised")
+        else:
+            raise SceneError(
+                f"goals {text}", f"is none of {', '.join(GOALS)}{resembling(SYNONYMS.get(text, text), GOALS)}"
+            )
     rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
     refuse_if(not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2, "goals", rule)
     return tuple(goals)

@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studies.record.plots import COLOURS, finished, legend_below
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
     from studies.record import Record
 
 MAX_DOTS = 20_000  # pillars drawn; of more pillars every n-th
+MAX_TEXTS = 8  # numbers above the bars that fit beside each other
 # what the wave under a slider on pillars loses: key of a point, label, colour
 LOSSES = (("friction_power_W", "friction", "intermittent"), ("thrust_power_W", "thrust", "second"))
 
@@ -64,20 +66,21 @@ def pressure(record: "Record", ax):
 def power(record: "Record", ax):
     """Draw what the waves below the slider lose at each level, as stacked bars, and above them what remains."""
     points = [point for point in record.points if point.wave_power_in_W is not None]
-    level, share, incident = (quantity(key) for key in (record.level, "power_share", "wave_power_in_W"))
+    level, share = quantity(record.level), quantity("power_share")
     positions, top = np.arange(len(points)), np.zeros(len(points))
     for key, label, colour in LOSSES:
         values = np.array([share.scale * point[key] / point.wave_power_in_W for point in points])
         if values.any():
             ax.bar(positions, values, bottom=top, color=COLOURS[colour], label=label)
             top = top + values
-    highest = max(float(top.max()), 1e-3)
+    highest, step = max(float(top.max()), 1e-3), -(-len(points) // MAX_TEXTS)
     for position, height, point in zip(positions, top, points, strict=True):
         remaining = share.scale * point.wave_power_out_W / point.wave_power_in_W
-        text = f"{remaining:.3g} % remain\nof {incident.with_unit(point.wave_power_in_W)}"
-        ax.text(position, height + 0.01 * highest, text, ha="center", va="bottom", fontsize="small")
-    ax.set_xticks(positions, [level.text(point.level) for point in points])
+        text = f"{remaining:.3g} %\nof {si(point.wave_power_in_W, 'W', 3)}"
+        if position % step == 0:
+            ax.text(position, height + 0.01 * highest, text, ha="center", va="bottom", fontsize="small")
+    ax.set_xticks(positions[::step], [level.text(point.level) for point in points[::step]])
     ax.set_xlim(-0.75, len(points) - 0.25)
     ax.set_ylim(0.0, 1.2 * highest)
-    title = f"{record.scene.title}: power that the wave loses; above, what remains in it"
+    title = f"{record.scene.title}: power that the wave loses; in numbers, what remains in it"
     return finished(ax, level.axis, share.axis, title, columns=3, grid=False)

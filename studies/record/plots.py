@@ -63,7 +63,26 @@ def lay_out(figure) -> None:
     if len(figure.axes) == 1:  # neither colour bar nor second axis: one pass of the layout, in half the time
         figure.set_layout_engine("tight", pad=0.3)
     figure.get_layout_engine().execute(figure)
+    if any([_ticks_kept(ax) for ax in figure.axes]):
+        figure.get_layout_engine().execute(figure)
     figure.set_layout_engine(None)
+
+
+def _ticks_kept(ax) -> bool:
+    """Keep the ticks of an Axes with equal scales at its final size; return whether it is one.
+
+    A layout measures them before the scales have shrunk it, and leaves too little room for those that are drawn.
+    """
+    from matplotlib.ticker import AutoLocator
+
+    if ax.get_aspect() == "auto":
+        return False
+    ax.apply_aspect()
+    for axis in (ax.xaxis, ax.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        if isinstance(axis.get_major_locator(), AutoLocator):
+            axis.set_ticks([place for place in axis.get_majorticklocs() if low <= place <= high])
+    return True
 
 
 def as_uri(draw: Callable, *, size: tuple[float, float] = SIZE, kind: str = "svg+xml") -> str:

@@ -6,6 +6,7 @@ table of columns in SI units, see `history_columns`.
 """
 
 import logging
+import math
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -94,6 +95,12 @@ def steady_history(record: Record, *, level: float | None) -> tuple[Columns, str
     driven, level = driven_at(record, level)
     LOGGER.info("following the contact")
     slider, orbits = driven.slider, driven.at(level)
+    refuse_if(
+        math.isinf(slider.mass) or (isinstance(orbits, contact.PassingWave) and orbits.loaded_by(slider.preload)),
+        "--show contact",
+        "follows a slider within a cycle of the wave, and this one is too heavy for it, or loads the wave: show the "
+        "field",
+    )
     with as_run_errors():
         speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
         history = contact.contact_history(

@@ -165,8 +165,10 @@ def test_what_is_no_constraint_is_refused(text, words):
 
 def test_goals_and_counts_that_do_not_exist_are_refused():
     scene = Scene.load("twente-contact")
-    with pytest.raises(SceneError, match="goals must be one or two different ones of velocity"):
+    with pytest.raises(SceneError, match=r"goals speed is none of velocity, .*; did you mean velocity"):
         design(scene, ["speed"], VARIABLES)
+    with pytest.raises(SceneError, match="goals must be one or two different ones of velocity"):
+        design(scene, ["velocity", "velocity"], VARIABLES)
     with pytest.raises(SceneError, match="whole numbers"):
         read_variable("transducer.0.finger_pairs=2.5:10")
     assert read_variable("transducer.0.finger_pairs=5:12").low == 5

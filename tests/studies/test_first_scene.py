@@ -28,6 +28,17 @@ def test_file_is_the_scene_and_every_rule_stands_beside_its_key(ceramic, tmp_pat
         assert re.search(rf"^{name} = .*  # {re.escape(rule)}$", str(ceramic), re.MULTILINE), key
 
 
+def test_the_file_says_what_was_wanted_and_how_the_voltage_follows_from_the_speed(ceramic):
+    assert "# Wanted: 2.2 MHz on PZT-8, 0.1 m/s without a load.\n" in str(ceramic)
+    assert "0.1 m/s is 0.5 of 2 pi f u_x, the speed of the wave's crests" in ceramic.reasons["drive.voltage"]
+
+
+@pytest.mark.parametrize("material", ["127YX", "ST quartz"])
+def test_an_unknown_cut_is_told_where_cuts_stand(material):
+    with pytest.raises(SceneError, match='a cut stands behind its material, as in "LiNbO3 127YX"'):
+        first_scene("10 MHz", material)
+
+
 def test_sizes_by_hand(ceramic):
     # wavelength on PZT-8 at 2.2 MHz: 2181.9 m/s over it, 0.99178 mm; 10 pairs, 15 and 40 wavelengths beside them
     stator, (fingers,) = ceramic.table["stator"], ceramic.table["transducer"]

@@ -12,9 +12,10 @@ from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
 from studies.model import resolve
-from studies.record import Record
+from studies.record import Record, pillar_pictures
 from studies.record.blocks import WaveBlock
-from studies.record.plots import COLOURS, new_figure
+from studies.record.plots import COLOURS, DPI, SIZE, finished, lay_out, new_figure
+from studies.record.point import Point
 from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
 from studies.runs import run
@@ -48,6 +49,32 @@ def labelled(figure):
             if numbers and not UNIT.search(words) and not any(map(UNIT.search, whole)):
                 return False
     return True
+
+
+def test_a_map_with_equal_scales_is_legible_although_its_height_and_ticks_follow_from_its_width():
+    """The beam of a chip of 60 x 13 mm: its label lay beyond the picture's left edge."""
+    figure, ax = new_figure(1600 / DPI, 458 / DPI, dpi=DPI)
+    x, y = np.linspace(0.0, 59.7, 20), np.linspace(-6.4, 6.4, 20)
+    figure.colorbar(ax.pcolormesh(x, y, np.outer(y, x)), ax=ax, label="|u_z| (nm/V)")
+    ax.set_aspect("equal")
+    finished(ax, "x along the surface (mm)", "y across the surface (mm)", "beam", columns=0, grid=False)
+    lay_out(figure)
+    assert_legible(figure)
+
+
+@pytest.mark.parametrize("count", [1, 8, 20])
+def test_the_power_below_pillars_is_legible_at_every_number_of_levels(count):
+    points = [
+        Point(voltage_V=5.74 * k, wave_power_in_W=0.01552 * k * k, wave_power_out_W=0.01454 * k * k,
+              friction_power_W=9.8e-4 * k * k, thrust_power_W=0.0)
+        for k in range(1, count + 1)
+    ]  # fmt: skip
+    scene = Scene.load("silicon-slider")
+    figure, ax = new_figure(*SIZE, dpi=DPI)
+    pillar_pictures.power(Record(scene=scene, tolerance=1e-3, points=tuple(points), seconds={"total": 1.0}), ax)
+    lay_out(figure)
+    assert_legible(figure)
+    assert "93.7 %\nof 15.5 mW" in [each.get_text() for each in ax.texts]
 
 
 def own_units(source, units):

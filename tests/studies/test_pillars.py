@@ -20,6 +20,7 @@ from studies.refusal import SceneError
 from studies.scene import read_table
 from studies.scene.override import replaced
 from studies.solve.solved_stator import contact_of_run
+from studies.view.contact_view import steady_history
 from tests.studies.conftest import SMALL
 
 SCENES = SMALL.parent
@@ -46,6 +47,14 @@ def by_hand(**changes):
         frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, backward=20e-9, compliance=2.5078e-12, strip_width=300e-6
     )
     return body, wave
+
+
+@pytest.mark.parametrize("loading", [True, False])
+def test_the_contact_of_pillars_is_not_shown_within_a_cycle(loading):
+    """Their mass is taken as infinite, which was a defect with a traceback."""
+    record = run(scene(loading=loading), tolerance=1e-2)
+    with pytest.raises(SceneError, match="--show contact follows a slider within a cycle of the wave"):
+        steady_history(record, level=None)
 
 
 def test_a_scene_gives_what_the_contact_gives():

@@ -9,7 +9,7 @@ import time
 import contact
 import fem
 from studies import Scene, run
-from studies.progress import Progress, counted, reported_to
+from studies.progress import Countdown, Progress, counted, reported_to
 
 FIRST, SECOND = logging.getLogger("studies.runs"), logging.getLogger("fem.solve.driven_stator")
 
@@ -118,6 +118,13 @@ def test_a_counted_computation_says_how_long_the_rest_takes(monkeypatch):
         "load lines: 0 of 5",
         "load lines: 1 of 5, about 16.0 s left",
         "load lines: 2 of 5, about 12.0 s left",
+    ]
+
+
+def test_more_parts_than_were_expected_are_counted_without_a_total():
+    assert [Countdown("design", 30, "evaluations").text(done) for done in (0, 31)] == [
+        "design: 0 of 30 evaluations",
+        "design: 31 evaluations",
     ]
 
 
