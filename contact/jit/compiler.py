@@ -279,12 +279,21 @@ def _linked(library):
         libraries += [other for other in dict.fromkeys(each._linking_libraries) if other not in libraries]
     modules = [each._final_module.clone() for each in libraries]
     for module in modules:
-        for function in module.functions:
-            if not function.is_declaration:
-                function.linkage = "linkonce_odr"
-    for module in modules[1:]:
-        modules[0].link_in(module)
+        _set_linkage(module, "weak_odr")  # kept in what it is linked into, referred to or not
+    # in pairs, for LLVM goes through all types of a module that another is linked into
+    while len(modules) > 1:
+        for module, other in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(other)
+        modules = modules[::2]
+    _set_linkage(modules[0], "linkonce_odr")
     return modules[0]
+
+
+def _set_linkage(module, linkage):
+    """Set the linkage of all functions that a module defines."""
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = linkage
 
 
 def optimised(library, *, wrapper=False):
@@ -301,9 +310,7 @@ def optimised(library, *, wrapper=False):
         for f in module.functions
         if not f.is_declaration and f.name.startswith("cfunc.") == wrapper and (wrapper or "entry" in f.name)
     )
-    for function in module.functions:
-        if not function.is_declaration:
-            function.linkage = "internal"
+    _set_linkage(module, "internal")
     function = module.get_function(entry)
     function.linkage, function.name = "external", "kernel"
     dead = llvm.create_new_module_pass_manager()

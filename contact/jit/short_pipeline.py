@@ -1,4 +1,4 @@
-"""Numba's compiler as kernels need it: without the passes for what no kernel has, and with three slow parts replaced.
+"""Numba's compiler as kernels need it: without the passes for what no kernel has, and with slow parts replaced.
 
 To lower the kernels of a first run, numba's own pipeline takes half as long again. Left out are the passes for
 closures, `with`, literals that are asked for, expressions of whole arrays and the drawing of types, and what counts
@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from operator import attrgetter
+from typing import Any
 
 
 @cache
@@ -54,6 +55,19 @@ def pipeline():
 @contextmanager
 def slow_parts_replaced() -> Iterator[None]:
     """Replace functions of numba by faster ones that return the same; the caller holds numba's compiler lock."""
+    replaced = (*_in_typing(), *_in_lowering())
+    usual = [vars(owner)[name] for owner, name, _ in replaced]
+    try:
+        for owner, name, function in replaced:
+            setattr(owner, name, function)
+        yield
+    finally:
+        for (owner, name, _), function in zip(replaced, usual, strict=True):
+            setattr(owner, name, function)
+
+
+def _in_typing() -> tuple[tuple[Any, str, Callable], ...]:
+    """Return (owner, name, replacement) of slow functions of numba's analysis and of its types."""
     from numba.core import ir, types
     from numba.core.targetconfig import TargetConfig
     from numba.core.types.functions import BaseFunction
@@ -105,17 +119,50 @@ def slow_parts_replaced() -> Iterator[None]:
             hashes[type(options)] = hashed(options)
         return hashes[type(options)]
 
-    replaced: tuple[tuple[type, str, Callable], ...] = (
+    return (
         (ir.Inst, "_rec_list_vars", list_variables),
         (BaseFunction, "get_call_type", type_of_call),
         (TargetConfig, "__eq__", same_options),
         (TargetConfig, "__hash__", hash_of_options),
     )
-    usual = [vars(owner)[name] for owner, name, _ in replaced]
-    try:
-        for owner, name, function in replaced:
-            setattr(owner, name, function)
-        yield
-    finally:
-        for (owner, name, _), function in zip(replaced, usual, strict=True):
-            setattr(owner, name, function)
+
+
+def _in_lowering() -> tuple[tuple[Any, str, Callable], ...]:
+    """Return (owner, name, replacement) of slow functions that numba calls while it writes LLVM's code."""
+    from llvmlite.ir.types import IdentifiedStructType, Type
+    from numba.core import event
+    from numba.core.base import BaseContext
+
+    measured, refreshed = Type.get_abi_size, BaseContext.refresh
+    sizes: dict[tuple, int] = {}
+    registrations: dict[int, int] = {}
+    registries = attrgetter("_registries")
+
+    def size_of_type(kind, target_data, context=None):
+        # LLVM reads a module of text for each size
+        if isinstance(kind, IdentifiedStructType):  # of which the text is but a name
+            return measured(kind, target_data, context)
+        key = str(kind), target_data
+        if key not in sizes:
+            sizes[key] = measured(kind, target_data, context)
+        return sizes[key]
+
+    def count(context):
+        loaders = [*registries(context).items(), *registries(context.typing_context).items()]
+        return sum([len(getattr(registry, name)) for registry, loader in loaders for name in loader.registry_items])
+
+    def refresh(context):
+        # asked for at each function that is not there, such as one that few types have
+        if registrations.get(id(context)) != count(context):
+            refreshed(context)
+            registrations[id(context)] = count(context)
+
+    def not_told(kind, data=None, exc_details=None):
+        """Trigger no event: only timers that nobody reads listen, and more of them the deeper functions are nested."""
+
+    return (
+        (Type, "get_abi_size", size_of_type),
+        (BaseContext, "refresh", refresh),
+        (event, "start_event", not_told),
+        (event, "end_event", not_told),
+    )

@@ -306,15 +306,19 @@ def test_what_machine_code_shares_counts_references_when_python_calls_it(places,
 
 def test_numbas_own_functions_are_back_after_a_kernel_even_one_that_fails(places, tmp_path):
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    from llvmlite.ir.types import Type
+    from numba.core import event
+    from numba.core.base import BaseContext
     from numba.core.ir import Inst
     from numba.core.types.functions import BaseFunction
 
-    usual = vars(Inst)["_rec_list_vars"], vars(BaseFunction)["get_call_type"]
+    owners = Inst, BaseFunction, Type, BaseContext, event
+    usual = [dict(vars(owner)) for owner in owners]
     assert answer()[0] == RIGHT
     places.setattr(compiler, "lowered", gone)
     compiled.Native(total, ("t",))(Weights(np.array([1.5])))
     assert compiled.ORDINARY
-    assert (vars(Inst)["_rec_list_vars"], vars(BaseFunction)["get_call_type"]) == usual
+    assert [dict(vars(owner)) for owner in owners] == usual
 
 
 class Weights(NamedTuple):
