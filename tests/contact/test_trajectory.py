@@ -22,7 +22,8 @@ def test_velocity_after_2200_cycles_by_two_integrators(A):
     assert (found.status, found.method, found.cycles) == ("ok", "exact", CYCLES)
     # Oracle: fixed-step Runge-Kutta, 1000 steps per cycle; its error is 1e-8 and below there
     assert found.velocity_at_burst_end == pytest.approx(velocity_from_rest(A, CYCLES, 1000), rel=1e-8)
-    assert found.relative_error < 1e-9
+    # stated: what an iteration may leave out at this tolerance; the oracle at 4000 steps is within 1e-11
+    assert found.relative_error < 3e-9
 
 
 @pytest.mark.parametrize("A", [3e-9, 10e-9])
