@@ -18,6 +18,7 @@ Item = TypeVar("Item")
 LOGGERS = ("studies", "fem")
 PATIENCE = 1.0  # s
 MIN_INTERVAL = 0.05  # between two lines without a terminal, relative to the time so far
+MIN_EXPECTED = 5.0  # s: an expected time below is not shown
 MAX_SILENCE = 10.0  # s without a line, after which the last text is repeated with the time so far
 
 
@@ -200,7 +201,7 @@ def so_far(seconds: float, expected: float | None) -> str:
     ('12.1 s', '12.1 s of about 21 s', '1 min 15 s; about 21 s were expected')
     """
     passed = duration(seconds)
-    if expected is None:
+    if expected is None or expected < MIN_EXPECTED:
         return passed
     about = f"about {duration(round(expected)).replace('.0 s', ' s')}"
     return f"{passed} of {about}" if seconds <= expected else f"{passed}; {about} were expected"

@@ -291,11 +291,13 @@ class Fit:
         prediction.
         """
         problem, curve = self.problem, _drawn(measurement)
-        problem.predictor.begin(f"fit: band of {measurement.name}")
+        slow = problem.predictor.costly or measurement.quantity not in ("velocity", "amplitude")
+        slow = slow or any(map(problem.needs_stator, problem.parameters))
+        count = len(self.inner) if slow else DRAWS
+        problem.predictor.begin(f"fit: band of {measurement.name}", 1 + count)
         at = np.array(curve.coordinate)
         best = problem.predictions([self.inner], (curve,))[0][0]
-        slow = problem.predictor.costly or measurement.quantity not in ("velocity", "amplitude")
-        if slow or any(map(problem.needs_stator, problem.parameters)):
+        if slow:
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]
             shifts = [values - best for (values,) in problem.predictions(moved, (curve,))]

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from studies.inverse.free_parameters import Parameter, read_parameter
@@ -11,8 +12,9 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-# by goal: quantities of a point, of which the first that has a value is taken, and True if less is better
+TRANSLATIONS = ("velocity", "mean_velocity", "thrust")
 SYNONYMS = {"speed": "velocity", "force": "thrust", "resolution": "step_resolution"}  # for a hint
+# by goal: quantities of a point, of which the first that has a value is taken, and True if less is better
 GOALS = {
     "velocity": ((quantity.velocity_m_per_s,), False),  # at the slider's position
     "mean_velocity": ((quantity.mean_velocity_m_per_s,), False),  # over half a wavelength about it
@@ -114,6 +116,15 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
     rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
     refuse_if(not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2, "goals", rule)
     return tuple(goals)
+
+
+def refuse_on_axle(goals: Iterable[Goal], table: dict) -> None:
+    """Raise a SceneError for a goal that is zero for every motor of the scene's table, whose slider is on an axle."""
+    if table.get("slider", {}).get("axis") is None:
+        return
+    for goal in goals:
+        rule = "is zero for a slider on an axle, slider.axis: its goals are rotation and torque"
+        refuse_if(goal.name in TRANSLATIONS, f"goals {goal.name}", rule)
 
 
 def read_variable(text: str | Parameter) -> Parameter:

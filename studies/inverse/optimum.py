@@ -20,7 +20,7 @@ from fem.parameters import refuses
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.free_parameters import Parameter, ranges
-from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
+from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable, refuse_on_axle
 from studies.inverse.search import UNKNOWN, Search
 from studies.model.resolve import build
 from studies.progress import reported_to
@@ -79,6 +79,7 @@ def design(
         read = all_answers([*readers, *(partial(read_constraint, each) for each in constraints)])
         varied, bounds = tuple(read[: len(readers)]), tuple(read[len(readers) :])
         aims = read_goals(names, varied)
+        refuse_on_axle(aims, table)
         refuse_if(not varied, "variables", "is required: KEY=LOW:HIGH")
         budget = options.budget(len(varied))
         min_budget = 4 * len(varied) + 8

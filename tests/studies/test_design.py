@@ -169,6 +169,9 @@ def test_goals_and_counts_that_do_not_exist_are_refused():
         design(scene, ["speed"], VARIABLES)
     with pytest.raises(SceneError, match="goals must be one or two different ones of velocity"):
         design(scene, ["velocity", "velocity"], VARIABLES)
+    for goal in ("velocity", "mean_velocity", "thrust"):
+        with pytest.raises(SceneError, match=f"goals {goal} is zero for a slider on an axle"):
+            design(Scene.load("rotor"), [goal], ["slider.preload=5 mN:50 mN"])
     with pytest.raises(SceneError, match="whole numbers"):
         read_variable("transducer.0.finger_pairs=2.5:10")
     assert read_variable("transducer.0.finger_pairs=5:12").low == 5

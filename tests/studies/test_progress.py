@@ -35,7 +35,7 @@ def test_a_slow_task_is_shown_on_stderr(capsys, monkeypatch):
 
 def test_the_expected_time_stands_beside_the_time_so_far(capsys, monkeypatch):
     monkeypatch.setattr("studies.progress.PATIENCE", 0.01)
-    for expected, words in ((60.0, " of about 1 min 0 s)"), (0.001, "; about 0 s were expected)")):
+    for expected, words in ((60.0, " of about 1 min 0 s)"), (4.0, " s)\n")):
         progress = Progress(expected)
         progress("stator")
         with progress:
