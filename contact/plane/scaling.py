@@ -129,7 +129,7 @@ def refuse_slow_beat(slider: Slider, waves: SurfaceWaves, why: str = "") -> None
     if not beats_slowly(slider, waves):
         return
     beat, resonance = slowest_beat(waves.frequencies), slider.normal_resonance(waves.count)
-    remedy = 'method = "exact", or the same method through a burst'
+    remedy = 'method "exact" (slider.method of a scene), or the same method through a burst'
     if why:
         remedy = f"the motion that repeats was not found ({why}): follow it through a burst of several beats"
     raise ConvergenceError(

@@ -91,7 +91,7 @@ def test_the_burst_that_is_advised_on_a_slow_beat_has_an_answer():
     waves = {}, {"direction": 90, "frequency": "2.205 MHz"}
     refused = run(scene(*waves, level="3 nm", **DAMPED), tolerance=1e-2)
     assert "slower than twice the contact resonance" in refused.shortfall
-    assert 'method = "exact", or the same method through a burst' in refused.points[0].status
+    assert 'method "exact" (slider.method of a scene), or the same method through a burst' in refused.points[0].status
     record = run(burst_scene(*waves, level="3 nm", burst="0.2 ms"), tolerance=1e-3)
     (point,), ((_, motion),) = record.points, record.trajectories
     assert point.status == "ok"
