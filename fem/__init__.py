@@ -70,6 +70,7 @@ _PUBLIC = {
     "solve.driven_stator": "driven_wave solve_driven",
     "solve.port_admittance": "port_admittance PortAdmittance",
     "solve.band_solution": "Band frequency_band",
+    "solve.beam_band": "beam_band BeamBand",
     "solve.periodic_cell": "cell_parameters CellParameters",
     "solve.burst_envelope": "burst_response BurstEnvelope",
     "solve.forced_surface": "forced_wave",

@@ -4,7 +4,7 @@ A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (beam_of_char
 Transducers scatter and receive its waves.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -23,7 +23,8 @@ from fem.materials import isotropic_about_normal
 from fem.parameters import refuses
 from fem.results.driven_answer import SurfaceWave
 from fem.results.stator_solution import Solution, driven_solution
-from fem.waveguide.port_fields import PortFields
+from fem.waveguide.guided_modes import full_modes
+from fem.waveguide.port_fields import PortFields, StatorCascade
 
 TINY = 1e-300  # avoids division by zero
 
@@ -39,7 +40,12 @@ def beam_refusal(stator: Stator) -> str:
     return ""
 
 
-def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
+def surface_beam(
+    wave: SurfaceWave,
+    *,
+    mirror_width: float | None = None,
+    apertures: Callable[[StatorCascade], PortFields] | None = None,
+) -> SurfaceBeam:
     """Field in three dimensions of a stator that voltages or forces drive, from the section's solution.
 
     Parameters
@@ -52,6 +58,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction).  By default the stator
         is infinitely wide.  A real stator has free faces, for which neither holds: the difference of both answers shows
         how much the width can matter.  In cuts without the symmetry y -> -y the images repeat the field, unmirrored.
+
+    apertures : callable, optional
+        `fem.beam.reception.aperture_solver` of this stator and ``mirror_width``, for many waves of one band.
 
     Returns
     -------
@@ -81,7 +90,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     """
     solution = wave.solution
     _refuse(wave, mirror_width)
-    fields = with_apertures(solution.fields, mirror_width)
+    fields = apertures(solution.fields) if apertures else with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive, solution.forces)
     beam = aperture_beam(wave, solution, mirror_width)
@@ -120,10 +129,13 @@ def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | N
     fields, transducers, stator = solution.fields, solution.fields.transducers, solution.fields.stator
     in_cut = None if isotropic_about_normal(stator.solid) else cut_source(fields)
 
+    # free and clamped ends reflect all modes, of which reduced lines have a part
+    modes = fields.modes if stator.ends == "absorbing" else full_modes(fields.modes)
+
     def source(load: Load) -> ModeSource:
         if in_cut is not None:
             return in_cut.loaded(load)
-        own = line_source(fields.modes, load)
+        own = line_source(modes, load)
         return own.with_shear(with_all_displacements(fields), fields.frequency) if load == "x" else own
 
     forces = [each for each in fields.network.ports if each.kind == "force"] if solution.forces is not None else []
@@ -133,7 +145,7 @@ def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | N
         wave=wave,
         solution=solution,
         source=of_charges,
-        faces=None if stator.ends == "absorbing" else faces(fields, line_source(fields.modes, "charge")),
+        faces=None if stator.ends == "absorbing" else faces(fields, modes, line_source(modes, "charge")),
         charges=all_charges(solution),
         apertures=tuple(each.aperture for each in transducers),
         centers=tuple(each.center_y for each in transducers),

@@ -12,10 +12,9 @@ from fem.beam.beam_of_charges import ChargeSheet
 from fem.beam.lateral import sheet_spectrum
 from fem.condense.electrode_conditions import charged
 from fem.condense.finger_columns import distinct_columns
+from fem.condense.reaction_moments import SAME_NODE
 from fem.results.field_evaluation import left_edge
 from fem.results.stator_solution import Solution
-
-SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer to each other are one node
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -195,12 +195,15 @@ class Faces:
         return np.stack([forward, backward]), np.stack(motion)
 
 
-def faces(fields: PortFields, source: LineSource) -> Faces:
-    """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section."""
+def faces(fields: PortFields, modes: GuidedModes, source: LineSource) -> Faces:
+    """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section.
+
+    ``modes``: all those of the section, and ``source`` excites them.
+    """
     stator = fields.stator
-    modes_at = _rotated_modes(fields, source)
+    modes_at = _rotated_modes(fields, modes, source)
     surface = np.zeros(len(modes_at.wavenumbers), dtype=bool)
-    surface[fields.modes.rayleigh] = True
+    surface[modes.rayleigh] = True
     return Faces(
         length=stator.length,
         ends=stator.ends,
@@ -254,13 +257,13 @@ class _RotatedModes:
         return ExcitedModes(modes, self.sent / kappa, self.sent / kappa)
 
 
-def _rotated_modes(fields: PortFields, source: LineSource) -> _RotatedModes:
+def _rotated_modes(fields: PortFields, plane: GuidedModes, source: LineSource) -> _RotatedModes:
     """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
 
     Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The fluxes are those of equation
     (4).
     """
-    plane, section = fields.modes, with_all_displacements(fields)
+    section = with_all_displacements(fields)
     k2, k1, _, _ = section.lateral_matrices(fields.frequency, 0.0)
     k1_prime = section.lateral_matrices(fields.frequency, 1.0)[1] - k1
     u_x, u_y, u_z, phi = (column[column >= 0] for column in section.dofs.T)

@@ -52,13 +52,14 @@ from fem.beam.own_aperture import (
     with_tips,
 )
 from fem.condense.electrode_conditions import charged
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
+from fem.threads import side_by_side
 from fem.waveguide.cascade_system import Element, solve_cascade
-from fem.waveguide.guided_modes import guided_modes
+from fem.waveguide.guided_modes import GuidedModes, full_modes, guided_modes
 from fem.waveguide.port_fields import PortFields, StatorCascade
 from fem.waveguide.scattering_network import Network, PortSolution
 
@@ -66,8 +67,8 @@ SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not lin
 # Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay
 # by exp(-NEEDED_DECAY) or more on the way are left out first, then shorter sheets.
 MAX_WAVES, NEEDED_DECAY = 3000, 11.5
-# Nodes for interpolation over a band: smallest number, and number per rad of phase; the admittance is accurate to 1e-5.
-LEAST_NODES, NODES_PER_RADIAN = 5, 1.2
+# Chebyshev nodes over a band of the coupling by the modes that its reduced lines leave out
+BAND_NODES = 5
 
 
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
@@ -190,7 +191,10 @@ def aperture_solver(
 class OwnApertures:
     """Coupling of a transducer's fingers by `finger_coupling`, interpolated in frequency if there is a band.
 
-    The modes of the full section are used, because those of a band's reduced basis do not resolve the near field.
+    The modes of the full section are used, because those of a band's reduced basis do not resolve the near field.  In a
+    band the coupling is that of the reduced modes at each frequency plus the difference of both, which is interpolated.
+    The difference has neither propagating modes nor those near their cut-off, where k changes as the square root of the
+    frequency and no polynomial follows.
     """
 
     def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None, *, plane: bool = False):
@@ -202,39 +206,37 @@ class OwnApertures:
         """Coupling at the frequency of the network."""
         if self.plane:
             return no_coupling(transducer, len(lengths))
-        section, frequency = network.modes.section.full, network.modes.frequency
-        if self.limits is None:
-            modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
-            return finger_coupling(line_source(modes, "charge"), transducer, lengths, self.mirror_width)
+        modes = network.modes
+        section = modes.section
+        if self.limits is None or section is section.full:
+            return self._by_modes(full_modes(modes), transducer, lengths)
         key = id(section), transducer, tuple(lengths)
         with self._lock:
             if key not in self._at_nodes:
-                wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
-                at_nodes = self._at_band_nodes(section, self.limits, transducer, lengths, wavenumber / frequency)
-                self._at_nodes[key] = (section, *at_nodes)
-        _, nodes, values = self._at_nodes[key]
-        weights = lagrange_weights(nodes, frequency)
-        return Coupling._make(np.tensordot(weights, each, axes=1) for each in values)
+                self._at_nodes[key] = section, *self._beyond_reduced(section, self.limits, transducer, lengths)
+        _, nodes, beyond = self._at_nodes[key]
+        weights, reduced = lagrange_weights(nodes, modes.frequency), self._by_modes(modes, transducer, lengths)
+        return Coupling._make(
+            own + np.tensordot(weights, each, axes=1) for own, each in zip(reduced, beyond, strict=True)
+        )
 
-    def _at_band_nodes(
-        self,
-        section: Section,
-        limits: tuple[float, float],
-        transducer: Transducer,
-        lengths: np.ndarray,
-        slowness: float,
-    ) -> tuple[np.ndarray, list]:
-        """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
-        low, high = limits
-        farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
-        phase_change = slowness * farthest * (high - low) / 2  # of a wave over half the band, rad
-        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_RADIAN * phase_change)))
-        at = [
-            finger_coupling(
-                line_source(guided_modes(section, float(each)), "charge"), transducer, lengths, self.mirror_width
+    def _by_modes(self, modes: GuidedModes, transducer: Transducer, lengths: np.ndarray) -> Coupling:
+        return finger_coupling(line_source(modes, "charge"), transducer, lengths, self.mirror_width)
+
+    def _beyond_reduced(
+        self, section: LineSpace, limits: tuple[float, float], transducer: Transducer, lengths: np.ndarray
+    ) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Nodes in Hz, and at each of them the arrays of `Coupling` by the modes that reduced lines leave out."""
+        nodes = chebyshev_nodes(*limits, BAND_NODES)
+
+        def at_node(frequency: float) -> Coupling:
+            full, reduced = (
+                self._by_modes(guided_modes(each, float(frequency)), transducer, lengths)
+                for each in (section.full, section)
             )
-            for each in nodes
-        ]
+            return Coupling._make(one - other for one, other in zip(full, reduced, strict=True))
+
+        at = side_by_side(at_node, nodes)
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
 
 

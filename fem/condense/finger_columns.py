@@ -65,8 +65,13 @@ class FingerColumns:
 
     @cached_property
     def surface_reactions(self) -> "SurfaceReactions":
-        """Electric reactions at the surface nodes; of a column, or of columns joined without any change."""
+        """Electric reactions at the surface nodes; of a column, or of columns joined without any change.
+
+        Of half a cell on reduced lines they are those of `fem.condense.reaction_moments.finger_reactions`.
+        """
         pair = self.inside
+        if isinstance(pair, LiftedHalf) and pair.reactions is not None:
+            return pair.reactions()
         if isinstance(pair, Pair):
             left, right = pair.left.surface_reactions, pair.right.surface_reactions
             return SurfaceReactions(
@@ -157,6 +162,8 @@ class LiftedHalf:
     full: Callable[[int, np.ndarray], tuple[FingerColumns, np.ndarray]] = field(repr=False)
     moment: np.ndarray = field(repr=False)  # `fem.condense.reaction_moments.finger_moment`, (2 n + 2,)
     unknowns: int
+    # `fem.condense.reaction_moments.finger_reactions` of the half; None where they are not interpolated
+    reactions: Callable[[], SurfaceReactions] | None = field(default=None, repr=False)
 
 
 def condensed(
@@ -240,14 +247,15 @@ def distinct_columns(
     """Distinct columns of a piece: column, left edges (occurrences,), sides (2 n + 2, ..., occurrences).
 
     Edges are measured from the piece's left line, in length units.  ``sides``: shape (2 n + 2, ...); in the returned
-    ones a finger is always on electrode 0.  Parts of width ``finest`` or less are returned whole.
+    ones a finger is always on electrode 0.  Parts of width ``finest`` or less are returned whole; if they
+    have reduced lines, and their reactions are known, as they are.
     """
     level, columns = _Occurrences(), _Occurrences()
     level.add(piece, np.zeros(1), sides[..., None])
     while level.by_piece:
         next_level = _Occurrences()
         for each, starts, each_sides in level.concatenated():
-            part, part_sides = _original(each, each_sides)
+            part, part_sides = _original(each, each_sides, finest)
             if not isinstance(part.inside, Pair) or part.width <= finest:
                 columns.add(part, starts, part_sides)
                 continue
@@ -277,10 +285,12 @@ class _Occurrences:
         ]
 
 
-def _original(piece: FingerColumns, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
+def _original(piece: FingerColumns, sides: np.ndarray, finest: float) -> tuple[FingerColumns, np.ndarray]:
     """The piece before any change of its potentials (`Restated`) or of its lines (`LiftedHalf`), and its sides."""
     inside = piece.inside
     while isinstance(inside, Restated | LiftedHalf):
+        if isinstance(inside, LiftedHalf) and inside.reactions is not None and piece.width <= finest:
+            break
         if isinstance(inside, Restated):
             piece, sides = inside.piece, inside.sides(sides)
         else:

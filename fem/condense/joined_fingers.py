@@ -27,7 +27,7 @@ s/2 [[1, -1], [-1, 1]].
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from fem.condense.cascade_piece import Blocks
 from fem.condense.electrode_conditions import equipotential
 from fem.condense.element_column import Column
 from fem.condense.elimination import sides_to_inside
-from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated
+from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated, SurfaceReactions
 
 
 def joined(
@@ -297,8 +297,18 @@ def mirrored(piece: FingerColumns, reflection: Reflection) -> FingerColumns:
         inside = ReflectedPair(inside, reflection)
     elif isinstance(inside, LiftedHalf):
         phi_sign = -signs[-1]  # a moment changes its sign once more, because it contains x
-        inside = replace(inside, side=1 - inside.side, moment=phi_sign * inside.moment[order] * signs)
+        reactions = inside.reactions and partial(_mirrored_reactions, inside.reactions, piece.width, order, signs)
+        moment = phi_sign * inside.moment[order] * signs
+        inside = replace(inside, side=1 - inside.side, moment=moment, reactions=reactions)
     elif inside is not None:
         raise TypeError("a piece with other potentials than it was joined with has no mirror image here")
     matrix = signs[:, None] * piece.matrix[np.ix_(order, order)] * signs
     return replace(piece, matrix=matrix, inside=inside)
+
+
+def _mirrored_reactions(
+    of: Callable[[], SurfaceReactions], width: float, order: np.ndarray, signs: np.ndarray
+) -> SurfaceReactions:
+    """Reactions of the mirror image of a piece, from those of the piece: ``of``; ``order``, ``signs``: of its sides."""
+    position, on_metal, rows = (each[::-1] for each in of())
+    return SurfaceReactions(width - position, on_metal, signs[-1] * rows[:, order] * signs)

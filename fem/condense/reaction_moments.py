@@ -1,10 +1,12 @@
-"""First moments of the reactions on fingers, as functions of the sides of a piece."""
+"""Reactions on fingers and their first moments, as functions of the sides of a piece."""
 
 import numpy as np
 
 from fem.condense.element_column import Column
-from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair
+from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, SurfaceReactions
 from fem.discretize.spectral import gll_nodes
+
+SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer to each other are one node
 
 
 def finger_dipole(cell: FingerColumns) -> np.ndarray:
@@ -30,6 +32,16 @@ def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
     line = half.matrix[half.at.right if side else half.at.left]
     start = 0.0 if side else -half.width
     return _moment(half, start) + (-half.width if side else half.width) * line[corner]
+
+
+def finger_reactions(half: FingerColumns) -> SurfaceReactions:
+    """Reactions at the nodes on half a finger and in the middle of the gap; of two columns that meet, their sum."""
+    position, on_metal, rows = half.surface_reactions
+    starts = np.flatnonzero(np.diff(position, prepend=-np.inf) > SAME_NODE)
+    covered = np.logical_or.reduceat(on_metal, starts)
+    kept = covered.copy()
+    kept[[0, -1]] = True  # a bare node between two fingers tells them apart
+    return SurfaceReactions(position[starts][kept], covered[kept], np.add.reduceat(rows, starts)[kept])
 
 
 def _moment(piece: FingerColumns, start: float) -> np.ndarray:

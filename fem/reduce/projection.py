@@ -7,7 +7,8 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.condense.condensed_mesh import MeshedPiece
-from fem.condense.reaction_moments import finger_moment
+from fem.condense.finger_columns import SurfaceReactions
+from fem.condense.reaction_moments import finger_moment, finger_reactions
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
@@ -57,6 +58,7 @@ class BandProblem:
     positions: np.ndarray  # m
     # True: a node more, and one more solution of the whole stator
     more_nodes: bool = False
+    charges: bool = False  # True: the charges at the nodes on the fingers are interpolated too
 
     @property
     def nodes(self) -> np.ndarray:
@@ -93,6 +95,7 @@ class NodeSolutions:
     # by finger shape: at every node the matrices of the rising and, unless it is its mirror image, of the falling half,
     # their moments below
     half_cells: dict = field(repr=False)
+    reactions: dict = field(repr=False)  # by finger shape: at every node those on each half of the finger, or none
     walls: list = field(repr=False)  # at every node, or empty
     # of the fields on the lines at mid-gap and at mid-finger, by group of unknowns
     decompositions: list[tuple[Directions, Directions]] = field(repr=False)
@@ -106,6 +109,7 @@ class _Node(NamedTuple):
     """Superelements at one node, and a solution if the whole stator is solved there; no walls for absorbing ends."""
 
     matrices: dict  # by finger shape: half cells as in `NodeSolutions`
+    reactions: dict  # by finger shape
     walls: np.ndarray | None
     fields: tuple | None
     solution: Solution | None
@@ -153,7 +157,11 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             )
             for shape, pair in halves.items()
         }
-        return _Node(matrices, walls, fields, solution, condensed)
+        reactions = {
+            shape: tuple(finger_reactions(half) for half in pair[:distinct]) if problem.charges else ()
+            for shape, pair in halves.items()
+        }
+        return _Node(matrices, reactions, walls, fields, solution, condensed)
 
     nodes = side_by_side(at_node, range(len(squares)))
     fields = [node.fields for node in nodes if node.fields is not None]
@@ -163,6 +171,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         section=section,
         resolution=resolution,
         half_cells={shape: [node.matrices[shape] for node in nodes] for shape in shapes},
+        reactions={shape: [node.reactions[shape] for node in nodes] for shape in shapes},
         walls=[node.walls for node in nodes if node.walls is not None],
         decompositions=decomposed((gaps, fingers), parity_groups(section, stator.ends == "clamped")),
         solutions=[node.solution for node in nodes if node.solution is not None],
@@ -196,7 +205,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         section=reduced,
         finger_basis=bases[1],
         half_cells={
-            shape: _projected_halves(pairs, bases, shape.half_finger + shape.half_gaps[0])
+            shape: _projected_halves(pairs, nodes.reactions[shape], bases, shape.half_finger + shape.half_gaps[0])
             for shape, pairs in nodes.half_cells.items()
         },
         nodes=problem.nodes,
@@ -207,19 +216,26 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     )
 
 
-def _projected_halves(halves: list[tuple], bases, width: float) -> HalfCell:
+def _projected_halves(halves: list[tuple], reactions: list[tuple], bases, width: float) -> HalfCell:
     gap, finger = bases
+    lines = (gap, finger), (finger, gap)  # left and right one of the rising and of the falling half
 
     def projected(half: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
         *matrix, moment = half
         once = _onto_lines(_onto_lines(np.array(matrix), left, right).T, left, right).T
         return np.vstack([once, _onto_lines(moment[:, None], left, right).T])
 
+    def projected_reactions(at_nodes: tuple[SurfaceReactions, ...], left, right) -> SurfaceReactions:
+        return at_nodes[0]._replace(rows=np.stack([_onto_lines(each.rows.T, left, right).T for each in at_nodes]))
+
     rising, *falling = zip(*halves, strict=True)
     return HalfCell(
         rising=np.stack([projected(half, gap, finger) for half in rising]),
         falling=np.stack([projected(half, finger, gap) for half in falling[0]]) if falling else None,
         width=width,
+        reactions=tuple(
+            projected_reactions(each, *both) for each, both in zip(zip(*reactions, strict=True), lines, strict=False)
+        ),
     )
 
 

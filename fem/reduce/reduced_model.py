@@ -15,12 +15,12 @@ again at that frequency, and the reduced lines are lifted to them.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks
-from fem.condense.finger_columns import FingerColumns, LiftedHalf
+from fem.condense.finger_columns import FingerColumns, LiftedHalf, SurfaceReactions
 from fem.condense.interpolated_piece import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.element_sizes import Resolution
@@ -38,12 +38,15 @@ from fem.waveguide.stator_meshes import StatorMeshes
 class HalfCell:
     """Projected half cells of one kind of finger at the nodes, electrode 0, with the row of the finger's moment.
 
-    Shape (nodes, 2 r + 3, 2 r + 2) each.
+    ``rising`` and ``falling``: shape (nodes, 2 r + 3, 2 r + 2).  ``reactions``: of each half
+    those of `fem.condense.reaction_moments.finger_reactions`, with rows of shape (nodes, points, 2 r + 2); empty if the
+    problem does not ask for them.
     """
 
     rising: np.ndarray = field(repr=False)
     falling: np.ndarray | None = field(repr=False)
     width: float
+    reactions: tuple[SurfaceReactions, ...] = field(default=(), repr=False)
 
 
 class FullPieces:
@@ -61,7 +64,10 @@ class FullPieces:
             self._halves[shape] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
         gap, finger = model.section.basis, model.finger_basis
         at, lines = Blocks(model.section.size), (gap, finger) if side == 0 else (finger, gap)
-        lifted = np.concatenate([lines[0] @ sides[at.left], lines[1] @ sides[at.right], sides[at.ports]])
+        left, right = (
+            np.tensordot(basis, sides[line], axes=1) for basis, line in zip(lines, (at.left, at.right), strict=True)
+        )
+        lifted = np.concatenate([left, right, sides[at.ports]])
         return self._halves[shape][side], lifted
 
     def end(self, side: int, line: np.ndarray):
@@ -127,11 +133,14 @@ class ReducedModel:
 
         def interpolated(stack: np.ndarray, side: int) -> FingerColumns:
             *matrix, moment = np.tensordot(weights, stack, axes=1)
+            known = halves.reactions[side] if halves.reactions else None
+            reactions = known and cache(lambda: known._replace(rows=np.tensordot(weights, known.rows, axes=1)))
             inside = LiftedHalf(
                 side=side,
                 full=lambda side, sides: full.half_cell(shape, side, sides),
                 moment=moment,
                 unknowns=self.resolution.order * section.size,
+                reactions=reactions,
             )
             return FingerColumns(size=section.size, matrix=np.array(matrix), width=halves.width, inside=inside)
 

@@ -95,10 +95,10 @@ class Band:
         computed on first access, which takes the time of one condensation.
         """
         return surface_wave(
-            driven_solution(self._port_fields(frequency), drive),
+            driven_solution(self.port_fields(frequency), drive),
             relative_error=self.relative_error,
             admittance_error=self.admittance_error,
-            solve=lambda: driven_solution(self._port_fields(frequency), drive),
+            solve=lambda: driven_solution(self.port_fields(frequency), drive),
         )
 
     def waves(self, frequencies: np.ndarray, drive: str | Drive) -> list[SurfaceWave]:
@@ -114,7 +114,7 @@ class Band:
         """
 
         def at(frequency: float) -> np.ndarray:
-            return self._port_fields(float(frequency), solve=solve).admittances
+            return self.port_fields(float(frequency), solve=solve).admittances
 
         return np.array(side_by_side(at, frequencies))
 
@@ -127,18 +127,21 @@ class Band:
         """
 
         def at(frequency: float) -> Circuit:
-            fields = self._port_fields(float(frequency), forces=(force,))
+            fields = self.port_fields(float(frequency), forces=(force,))
             return driven_solution(fields, drive, np.array([force.amplitude])).circuit
 
         return side_by_side(at, frequencies)
 
-    def _port_fields(
+    def port_fields(
         self,
         frequency: float,
         forces: tuple[LineForce, ...] = (),
         solve: Callable[[StatorCascade], PortFields] = StatorCascade.solved,
     ) -> PortFields:
-        """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
+        """Fields of the ports at a frequency of the band (Hz), with line forces; ``solve`` as of `admittances`.
+
+        Those of the reduced model or, if its few lines cannot represent the ends, of the full discretisation.
+        """
         model = self.model
         refuse_outside(self.limits, frequency)
         try:
@@ -160,6 +163,7 @@ def frequency_band(
     drive: str | Drive,
     tolerance: float,
     places: tuple[float, ...] = (),
+    charges: bool = False,
 ) -> Band:
     """Prepare a driven stator for the frequencies of a band.
 
@@ -176,6 +180,8 @@ def frequency_band(
         Relative, of the surface motion at ``places`` at every frequency of the band.
     places : tuple of float
         m; mid-stator if empty.
+    charges : bool
+        True interpolates the charges on the fingers too, for `fem.beam_band`.
 
     Raises
     ------
@@ -197,6 +203,7 @@ def frequency_band(
         drive=drive,
         tolerance=tolerance,
         positions=np.array(places or (stator.length / 2,)),
+        charges=charges,
     )
     placed = stator.placement
     steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
@@ -446,15 +453,22 @@ class _Check:
 
     @classmethod
     def of(cls, problem: BandProblem, solution: Solution) -> "_Check":
-        surface, (low, high) = surface_of(solution), problem.limits
-        # The checks lie in the middle and near both ends: no frequency is farther than a third of the band from one.
-        phase_range = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
-        here, worst = solution.fields.amplification(min(phase_range, np.pi))
-        return cls(solution=solution, motion=surface.motion(problem.positions), here=here, worst=worst)
+        here, worst = resonant_amplification(solution, problem.limits)
+        return cls(solution=solution, motion=surface_of(solution).motion(problem.positions), here=here, worst=worst)
 
     def growth(self, worst: float) -> float:
         """Factor from an estimate of two levels at this frequency to where resonances amplify by ``worst``."""
         return max(1.0, worst / self.here / ESTIMATE_EXCESS)
+
+
+def resonant_amplification(solution: Solution, limits: tuple[float, float]) -> tuple[float, float]:
+    """Resonant amplification at one of the checked frequencies of a band, and at the worst frequency near it.
+
+    The checks lie in the middle and near both ends: no frequency is farther than a third of the band from one.
+    """
+    surface, (low, high) = surface_of(solution), limits
+    phase_range = 2 * np.pi * (high - low) / 3 * surface.length / surface.phase_velocity
+    return solution.fields.amplification(min(phase_range, np.pi))
 
 
 def reduced_model(

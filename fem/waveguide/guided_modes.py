@@ -181,6 +181,12 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: compl
     )
 
 
+def full_modes(modes: GuidedModes) -> GuidedModes:
+    """Modes on lines with all unknowns, of modes whose lines may be reduced to the basis of a band."""
+    full = modes.section.full
+    return modes if full is modes.section else guided_modes(full, modes.frequency)
+
+
 def _odd(section: LineSpace, lateral_wavenumber: complex) -> np.ndarray | None:
     """Unknowns that change sign under x -> -x, where that is a symmetry."""
     return section.full.lateral_odd if lateral_wavenumber else section.odd

@@ -137,7 +137,11 @@ class Model:
 
     def spreads(self, positions: tuple | None) -> bool:
         """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
-        return not fem_objects.section_reason(self.scene.stator, self.plain, positions, self.scene.transducer)
+        return not self.section_reason(positions)
+
+    def section_reason(self, positions: tuple | None) -> str:
+        """Return why the plane section is used for contacts at ``positions``, as of `spreads`; empty if it is not."""
+        return fem_objects.section_reason(self.scene.stator, self.plain, positions, self.scene.transducer)
 
     @property
     def alone(self) -> "Model":

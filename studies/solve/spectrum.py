@@ -64,8 +64,8 @@ def response(
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
 
     bands = []
-    if _takes_bands(block, transducers, positions):
-        for low, high in pairwise(_edges(lowest, highest)):
+    if takes_bands(block, transducers, positions):
+        for low, high in pairwise(band_edges(lowest, highest)):
             LOGGER.info(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
             try:
                 bands.append(fem.frequency_band(block, transducers, lowest=low, highest=high, **common))
@@ -77,13 +77,11 @@ def response(
 
 def groups(model: Model, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    edges = _edges(frequencies[0], frequencies[-1])[1:-1]
+    edges = band_edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
     strips = [each.transducers for each in fem.strips_of(model.transducers)] if model.scene.in_strips else []
     sections = strips or [model.section_transducers]
-    if len(frequencies) <= MAX_SINGLE * len(bands) or not all(
-        _takes_bands(model.stator, each, ()) for each in sections
-    ):
+    if len(frequencies) <= MAX_SINGLE * len(bands) or not all(takes_bands(model.stator, each, ()) for each in sections):
         return np.split(frequencies, len(frequencies))
     return bands
 
@@ -139,13 +137,13 @@ def driving_point(ports, transducers, drive):
     return np.array([fem.solve_circuit(y, ports.names, transducers, drive, f).admittance for y, f in pairs])
 
 
-def _edges(lowest: float, highest: float) -> list[float]:
+def band_edges(lowest: float, highest: float) -> list[float]:
     """Return the ends of the bands that a range is cut into, Hz."""
     count = max(1, math.ceil(math.log(highest / lowest) / math.log(MAX_BAND_RATIO)))
     return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
 
 
-def _takes_bands(block, transducers, positions) -> bool:
+def takes_bands(block, transducers, positions) -> bool:
     """Return whether `fem.frequency_band` can be used, see the module's docstring."""
     ordered = tuple(sorted(transducers, key=lambda each: each.center))
     for each, gaps in zip(ordered, fem.outer_gaps(block, ordered), strict=True):

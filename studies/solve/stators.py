@@ -19,12 +19,12 @@ from studies.model.wave_to_contact import Contact
 from studies.record.waveform import modulation
 from studies.refusal import RunError
 from studies.scene import Scene
+from studies.solve.motion_band import motion_bands, solved_in_bands
 from studies.solve.nearby_motion import POINTS
 from studies.solve.refinement import BAND_SHARE, SHARE
 from studies.solve.ring_up import RingUp, ring_up
 from studies.solve.solved_stator import SolvedStator
-from studies.solve.spectrum import response
-from studies.solve.surface_motion import SurfaceMotion, solved_motion, surface_motion
+from studies.solve.surface_motion import SurfaceMotion, solved_motion
 from studies.solve.travel import WaveAlong
 
 LOGGER = logging.getLogger(__name__)
@@ -70,7 +70,7 @@ class Stators:
         self._count = 0
         self._solved: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
-        self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
+        self._ring_up, self._bands = lru_cache(64)(ring_up), lru_cache(4)(motion_bands)
         self._others = lru_cache(4)(self._solved_motion)  # at further frequencies of the sources
 
     def contact(self, model: Model, goal: float | None = None) -> Contact:
@@ -195,12 +195,20 @@ class Stators:
             start_time = time.perf_counter()
             # a band that fails leaves each of its stators to be solved alone, which says why it fails
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                along = tuple(dict.fromkeys(x for x, _ in positions))
-                band = self._band(fixed, *self.limits, positions=along, tolerance=goal)
-                for key, wave in zip(keys.values(), band.waves(list(keys), fixed.drive), strict=True):
-                    motion = surface_motion(wave, fixed.scene.stator, positions, slider=self.slider)
-                    self._solved[key] = SolvedStator.of(motion, positions, goal=goal, nearby=self.nearby)
+                solved = self._solved_together(fixed, positions, goal, list(keys))
+                self._solved.update(zip(keys.values(), solved, strict=True))
             self.seconds += time.perf_counter() - start_time
+
+    def _solved_together(
+        self, stator: Model, positions: Any, goal: float, frequencies: list[float]
+    ) -> list[SolvedStator]:
+        """Return the solutions of a stator at several frequencies in Hz, from its bands."""
+        motion = self._bands(stator, self.limits, positions, tolerance=goal, slider=self.slider)
+
+        def solved(frequency: float) -> SolvedStator:
+            return SolvedStator.of(motion(frequency), positions, goal=goal, nearby=self.nearby)
+
+        return fem.side_by_side(solved, frequencies)
 
     def shared_positions(self, scene: Scene) -> tuple:
         """Return the positions for which the stator of a scene is solved: the shared ones if they contain its own."""
@@ -240,9 +248,8 @@ class Stators:
         return stator, positions, goal, missed, self.nearby
 
     def _in_band(self, stator: Model, positions: Any) -> bool:
-        """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
-        plain = bool(self.limits) and not (stator.scene.crossed or stator.scene.in_strips or stator.scene.piece)
-        return plain and not stator.spreads(positions if self.slider else None)
+        """Return whether a stator is solved as one of a band of frequencies."""
+        return bool(self.limits) and solved_in_bands(stator, positions, slider=self.slider)
 
 
 def _refuse_waveform(driven: Contact) -> None:

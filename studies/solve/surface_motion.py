@@ -196,7 +196,13 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
     reason = section_reason(block, fields.stator, positions if slider else None, fields.transducers)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
-    spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
+    return beam_motion(fem.surface_beam(wave, mirror_width=block.mirror_width), block, positions)
+
+
+def beam_motion(beam: "SurfaceBeam", block: Stator, positions) -> SurfaceMotion:
+    """Return the motion of a beam or, by the rule of `surface_motion`, of its section."""
+    wave = beam.wave
+    spread = SurfaceMotion(wave=wave, beam=beam)
     if block.diffraction is None:
         here, there = spread.at(positions)[[0, 2]], wave.motion(np.array([x for x, _ in positions]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
