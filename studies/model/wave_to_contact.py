@@ -89,7 +89,7 @@ class Contact:
         positions, slider = model.scene.positions, model.scene.slider
         orbits, misfit, amplitudes = (), 0.0, solved.at[positions[0]].amplitudes
         if slider is not None:
-            orbits, misfit, amplitudes = contacts_of(slider).stator_motion(slider, model.plain, solved, motion)
+            orbits, misfit, amplitudes = contacts_of(slider).stator_motion(slider, model.alone.plain, solved, motion)
         return cls(
             model=model, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,
             stator_error=max(solved.at[position].relative_error for position in positions),

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import fem
 from studies.model.changed_scenes import ChangedScenes
+from studies.model.model import Model
 from studies.model.resolve import build, following
 from studies.model.wave_to_contact import Contact
 from studies.record import Record
@@ -90,7 +91,10 @@ class Predictor:
         RunError
             If the stator has no solution, or the model does not resolve the motion under a contact.
         """
-        driven = self.stators.contact(self.scenes.model(changes), goal)
+        return self._contact(self.scenes.model(changes), goal)
+
+    def _contact(self, model: Model, goal: float | None) -> Contact:
+        driven = self.stators.contact(model, goal)
         if driven.refusal and driven.scene.slider is not None:
             raise RunError(driven.refusal)
         return driven
@@ -137,7 +141,7 @@ class Predictor:
         self, many: list[dict], goals: list[float | None], tolerance: float, accepted: float | None
     ) -> list[SliderAnswer]:
         """Return the answers on stators solved to some goals; ``accepted``: tolerance of averaged states, or None."""
-        self._solve_together(many, goals)
+        models = self._solved_together(many, goals)
         results: list[SliderAnswer | None] = [None] * len(many)
         contacts: dict[int, Contact] = {}
         for k, (changes, goal) in enumerate(zip(many, goals, strict=True)):
@@ -145,7 +149,7 @@ class Predictor:
                 if self.free:
                     results[k] = SliderAnswer(answers=(_free_answer(self.scene(changes), self.tolerance),))
                 else:
-                    contacts[k] = self._contact_at_one_level(changes, goal)
+                    contacts[k] = self._contact_at_one_level(models.get(k) or self.scenes.model(changes), goal)
             except Exception as error:
                 results[k] = _failed(error)
         steady = [k for k, each in contacts.items() if accepted is not None and _is_steady(each)]
@@ -159,17 +163,18 @@ class Predictor:
                 results[k] = _failed(error)
         return [each for each in results if each is not None]
 
-    def _solve_together(self, many: list[dict], goals: list[float | None]) -> None:
-        """Solve the frequencies of one geometry side by side, where they make a band."""
-        resolved = []
-        for changes, goal in zip(many, goals, strict=True) if self.stators.limits else ():
+    def _solved_together(self, many: list[dict], goals: list[float | None]) -> dict[int, Model]:
+        """Solve the frequencies of one geometry side by side, where they make a band; return the models by number."""
+        models: dict[int, Model] = {}
+        for k, changes in enumerate(many) if self.stators.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
-                resolved.append((self.scenes.model(changes), goal))
-        self.stators.solve_together(resolved)
+                models[k] = self.scenes.model(changes)
+        self.stators.solve_together([(model, goals[k]) for k, model in models.items()])
+        return models
 
-    def _contact_at_one_level(self, changes: dict, goal: float | None) -> Contact:
-        """Return `contact`; SceneError if the changed scene has several levels."""
-        driven = self.contact(changes, goal)
+    def _contact_at_one_level(self, model: Model, goal: float | None) -> Contact:
+        """Return `contact` of a resolved scene; SceneError if it has several levels."""
+        driven = self._contact(model, goal)
         if (count := len(driven.scene.levels)) != 1:
             raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
         # with the ring-up of a burst, whose error no finer stator reduces (`finer`)

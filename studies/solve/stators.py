@@ -71,6 +71,7 @@ class Stators:
         self._solved: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
         self._ring_up, self._bands = lru_cache(64)(ring_up), lru_cache(4)(motion_bands)
+        self._solved_in_bands = lru_cache(1024)(solved_in_bands)
         self._others = lru_cache(4)(self._solved_motion)  # at further frequencies of the sources
 
     def contact(self, model: Model, goal: float | None = None) -> Contact:
@@ -183,11 +184,15 @@ class Stators:
         if len(self._solved) * max(1, len(self.positions)) * (POINTS if self.nearby else 1) > MAX_POSITIONS:
             self._solved.clear()
         groups: dict = {}
+        keys_met: set[tuple] = set()
         for model, goal in many if self.limits else ():
             stator, positions = model.alone, self.shared_positions(model.scene)
             goal = self.first_goal(stator, positions) if goal is None else goal
             key = self._key(stator, positions, goal, positions == model.scene.positions)
-            if self._in_band(stator, positions) and key not in self._solved:
+            if key in self._solved or key in keys_met:
+                continue
+            keys_met.add(key)
+            if self._in_band(stator, positions):
                 drive = replace(stator.scene.drive, frequency=self.limits[0])
                 group = stator.with_blocks(drive=drive), positions, goal
                 groups.setdefault(group, {})[stator.scene.frequency] = key
@@ -249,7 +254,7 @@ class Stators:
 
     def _in_band(self, stator: Model, positions: Any) -> bool:
         """Return whether a stator is solved as one of a band of frequencies."""
-        return bool(self.limits) and solved_in_bands(stator, positions, slider=self.slider)
+        return bool(self.limits) and self._solved_in_bands(stator, positions, slider=self.slider)
 
 
 def _refuse_waveform(driven: Contact) -> None:
