@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.beam.line_source import LineSource, line_source
 from fem.circuit import Circuit, Drive
 from fem.condense.condensed_mesh import MeshedPiece
 from fem.condense.electrode_conditions import is_port
@@ -28,9 +29,17 @@ from fem.reduce.reduced_model import ReducedModel
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.field_evaluation import surface_of
 from fem.results.stator_solution import Solution, driven_solution
-from fem.solve.driven_stator import check_driven, driven_wave, refined_wave, solution_differences, solve_driven
+from fem.solve.driven_stator import (
+    check_driven,
+    driven_wave,
+    motion_difference,
+    refined_wave,
+    solution_differences,
+    solve_driven,
+)
 from fem.solve.full_band import FullModel
 from fem.threads import one_blas_thread, side_by_side
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
@@ -471,6 +480,11 @@ def resonant_amplification(solution: Solution, limits: tuple[float, float]) -> t
     return solution.fields.amplification(min(phase_range, np.pi))
 
 
+def reduction_growth(here: float, worst: float) -> float:
+    """Factor from a difference of a reduced model, where resonances amplify by ``here``, to its error by ``worst``."""
+    return worst / min(here, worst / REDUCTION_SAFETY)
+
+
 def reduced_model(
     problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, motion_allowance: float
 ) -> tuple[ReducedModel, float, float]:
@@ -492,16 +506,44 @@ def reduced_model(
         size = model.section.size
         try:
             errors = np.array(reduction_errors(model, problem, checks, worst))
+            sent = sent_wave_error(model, problem, checks, worst) if problem.charges else 0.0
         except ConvergenceError:  # too few fields to represent the ends
             if last:
                 raise
-            errors = np.full(2, np.inf)
+            errors, sent = np.full(2, np.inf), 0.0
         too_large = errors > allowed
         *_, before, last_but_one = np.full(2, np.inf), np.full(2, np.inf), *reached
         stagnant = np.minimum(errors, last_but_one) > (1 - GAIN_OF_STEP) * before
-        if last or stagnant[too_large].all():
-            return model, float(errors[0]), float(errors[1])
+        # a wave that the section has not comes and goes with the number of fields: it does not stagnate
+        if last or (stagnant[too_large].all() and sent <= allowed[0]):
+            return model, max(float(errors[0]), sent), float(errors[1])
         reached.append(errors)
+
+
+def sent_wave_error(model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float) -> float:
+    """Largest relative error of what a unit charge on each finger "+", and -1 on "-", sends to the positions.
+
+    The charges lie on the bare surface, along a line in the middle of each finger.  The plane section's motion does not
+    show this error: there the modes of reduced lines meet charges of the same lines.  In a beam each charge sends them
+    at any angle, and their shapes err more than their wavenumbers; some modes are none of the section.
+    """
+    errors = [0.0]
+    for each in checks:
+        full = each.solution.fields.modes
+        sources = [line_source(modes, "charge") for modes in (full, guided_modes(model.section, full.frequency))]
+        for transducer in problem.transducers:
+            charges = np.array([{"+": 1.0, "-": -1.0}.get(sign, 0.0) for sign in transducer.signs])
+            distances = abs(np.subtract.outer(problem.positions, transducer.fingers.mean(axis=1)))
+            if charges.any():
+                motions = (_plane_motion(source, distances, charges) for source in sources)
+                errors.append(reduction_growth(each.here, worst) * motion_difference(*motions))
+    return max(errors)
+
+
+def _plane_motion(source: LineSource, distances: np.ndarray, charges: np.ndarray) -> np.ndarray:
+    """u_x and u_z in the section, (2, positions), by line charges at distances (positions, charges) on one side."""
+    waves = np.exp(-1j * np.multiply.outer(source.wavenumbers, distances)) @ charges
+    return np.array([source.tangential, source.normal]) @ waves
 
 
 def reduction_errors(
@@ -518,7 +560,7 @@ def reduction_errors(
     for check in checks:
         solution = driven_solution(model.cascade(check.solution.fields.frequency).solved(), problem.drive)
         reduced = solution, surface_of(solution).motion(problem.positions)
-        growth = worst / min(check.here, worst / REDUCTION_SAFETY)
+        growth = reduction_growth(check.here, worst)
         of_motion, of_admittance = (
             growth * each for each in solution_differences(reduced, (check.solution, check.motion))
         )

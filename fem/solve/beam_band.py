@@ -24,7 +24,7 @@ from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import surface_wave
 from fem.results.stator_solution import Solution, driven_solution
-from fem.solve.band_solution import REDUCTION_SAFETY, Band, frequency_band, resonant_amplification
+from fem.solve.band_solution import Band, frequency_band, reduction_growth, resonant_amplification
 from fem.solve.driven_stator import solve_driven
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.port_fields import PortFields, StatorCascade
@@ -134,7 +134,7 @@ def beam_band(
 
     def compared(solution: Solution) -> tuple[float, float]:
         frequency, (here, worst) = solution.fields.frequency, resonant_amplification(solution, band.limits)
-        growth = worst / min(here, worst / REDUCTION_SAFETY)
+        growth = reduction_growth(here, worst)
         wave = surface_wave(solution, relative_error=0.0, admittance_error=0.0)
         full = surface_beam(wave, mirror_width=mirror_width)
         errors = beam_differences(full, plain.beam(frequency, drive), np.array(places).T)

@@ -7,7 +7,7 @@ change of the slider requires a new contact alone; voltage, power and burst requ
 import logging
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -38,6 +38,7 @@ class Shared:
     positions: tuple[tuple[float, float], ...] = ()  # (x, y) in m of all contacts
     # lowest and highest frequency in Hz, if there are enough of them to interpolate over a band
     limits: tuple[float, ...] = ()
+    frequencies: int = 0  # number of them
     slider: bool | None = None  # True if it drives sliders; None: if the unchanged scene has one
 
 
@@ -64,13 +65,13 @@ class Stators:
 
     def __init__(self, *, tolerance: float, slider: bool, shared: Shared = UNSHARED, coarse: bool = False) -> None:
         self.tolerance, self.slider, self.coarse = tolerance, slider, coarse
-        self.positions, self.limits = shared.positions, shared.limits
+        self.positions, self.limits, self.frequencies = shared.positions, shared.limits, shared.frequencies
         self.nearby = False  # True evaluates the motion also within a quarter of a wavelength about each contact
         self.seconds = 0.0  # spent on stators
         self._count = 0
         self._solved: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
-        self._ring_up, self._bands = lru_cache(64)(ring_up), lru_cache(4)(motion_bands)
+        self._ring_up, self._bands = lru_cache(64)(ring_up), lru_cache(4)(_motion_bands)
         self._solved_in_bands = lru_cache(1024)(solved_in_bands)
         self._others = lru_cache(4)(self._solved_motion)  # at further frequencies of the sources
 
@@ -208,7 +209,9 @@ class Stators:
         self, stator: Model, positions: Any, goal: float, frequencies: list[float]
     ) -> list[SolvedStator]:
         """Return the solutions of a stator at several frequencies in Hz, from its bands."""
-        motion = self._bands(stator, self.limits, positions, tolerance=goal, slider=self.slider)
+        motion = self._bands(stator, self.limits, positions, goal, self.slider)
+        if isinstance(motion, Exception):
+            raise motion.with_traceback(None)
 
         def solved(frequency: float) -> SolvedStator:
             return SolvedStator.of(motion(frequency), positions, goal=goal, nearby=self.nearby)
@@ -254,7 +257,18 @@ class Stators:
 
     def _in_band(self, stator: Model, positions: Any) -> bool:
         """Return whether a stator is solved as one of a band of frequencies."""
-        return bool(self.limits) and self._solved_in_bands(stator, positions, slider=self.slider)
+        given = stator, positions
+        return bool(self.limits) and self._solved_in_bands(*given, slider=self.slider, frequencies=self.frequencies)
+
+
+def _motion_bands(
+    stator: Model, limits: tuple[float, ...], positions: Any, goal: float, slider: bool
+) -> Callable[[float], SurfaceMotion] | Exception:
+    """Return `motion_bands`, or why there are none, so that what fails is tried once."""
+    try:
+        return motion_bands(stator, limits, positions, tolerance=goal, slider=slider)
+    except Exception as error:
+        return error
 
 
 def _refuse_waveform(driven: Contact) -> None:

@@ -157,7 +157,10 @@ def solved_points(
 @lru_cache(2)
 def _predictor(question: Question) -> Predictor:
     """Return the predictor of a question, one for all batches of a process."""
-    shared = Shared(positions=question.positions, limits=question.frequencies, slider=question.has_slider)
+    shared = Shared(
+        positions=question.positions, limits=question.frequencies, frequencies=question.frequency_count,
+        slider=question.has_slider,
+    )  # fmt: skip
     return Predictor(question.table, tolerance=question.tolerance, shared=shared, coarse=question.coarse)
 
 

@@ -39,6 +39,7 @@ class Question:
     # (x, y) in m of all contacts of all points; empty where the stator is solved for each point's own
     positions: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()  # lowest and highest in Hz, where there are enough of them for a band
+    frequency_count: int = 0  # of different frequencies
     # True takes the stator's coarsest discretisation: for a search, whose best points are computed again
     coarse: bool = False
 
@@ -182,7 +183,8 @@ def _question(table, axes, tolerance, also) -> Question:
     fixed = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
     band = fixed and not any(key.endswith(".period") for key in keys) and len(frequencies) >= MIN_BAND_FREQUENCIES
     limits = (min(frequencies), max(frequencies)) if band else ()
-    return replace(question, positions=_positions(table, columns), frequencies=limits)
+    positions = _positions(table, columns)
+    return replace(question, positions=positions, frequencies=limits, frequency_count=len(frequencies))
 
 
 def _positions(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:

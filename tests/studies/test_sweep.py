@@ -18,6 +18,7 @@ import pytest
 import threadpoolctl
 
 import contact
+import fem
 from studies.__main__ import main
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
@@ -243,9 +244,37 @@ def test_many_frequencies_of_a_plane_section_are_a_band():
     assert columns["velocity_m_per_s"][5] == pytest.approx(expected["velocity_m_per_s"], rel=error, abs=0)
 
 
-def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
-    import fem
+@pytest.mark.parametrize("contacts", [1, pytest.param([[-4e-4, 0.0], [2e-4, 1e-3]], marks=pytest.mark.slow)])
+def test_many_frequencies_of_finite_apertures_are_a_band(monkeypatch, contacts):
+    """A band of beams gives what a run gives at each frequency by itself, also under unequal balls off the axis."""
+    table = replaced(SMALL, "slider.contacts", contacts)
+    monkeypatch.setattr("fem.driven_wave", None)  # no frequency is solved alone
+    found = sweep(table, {"drive.frequency": "2.17 MHz:2.22 MHz:12"}, tolerance=2e-2)
+    monkeypatch.undo()
+    assert found.counts == {"ok": 12}
+    columns = found.columns()
+    for point in (1, 7):
+        one = replaced(table, "drive.frequency", columns["drive.frequency"][point])
+        (expected,) = run(Scene.from_table("", one), tolerance=2e-2).points
+        error = 2 * (expected["relative_error"] + columns["relative_error"][point])
+        assert columns["velocity_m_per_s"][point] == pytest.approx(expected["velocity_m_per_s"], rel=error, abs=0)
 
+
+def test_bands_that_fail_leave_each_frequency_to_be_solved_alone(monkeypatch):
+    tried = []
+
+    def failing(*given, **options):
+        tried.append(given)
+        raise fem.ConvergenceError("the motion of the band's beams is known to 2 only")
+
+    monkeypatch.setattr("fem.beam_band", failing)
+    over = {"drive.frequency": "2.17 MHz:2.22 MHz:12", "slider.preload": [1e-3, 2e-3]}
+    found = sweep(SMALL, over, tolerance=0.1)
+    assert len(tried) == 1
+    assert found.counts == {"ok": 24}
+
+
+def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     solved = fem.driven_wave
 
     def failing(*given, frequency, **options):
