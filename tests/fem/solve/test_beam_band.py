@@ -64,9 +64,9 @@ def test_beams_of_a_band_are_those_of_full_solutions(ends, tolerance, mirror_wid
     assert stated[0] < tolerance
 
 
-@pytest.mark.parametrize(("name", "orientation"), [("PZT-8", "Z"), ("LiNbO3 (Warner)", "YZ")])
+@pytest.mark.parametrize(("name", "orientation"), [("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Warner)", "YZ")])
 def test_interpolated_charges_are_those_of_half_cells_on_full_lines(name, orientation):
-    """With and without the mirror symmetry of half a cell; an open strip and both electrodes."""
+    """Mirror images with an even and an odd potential, and none; an open strip and both electrodes."""
     block = Stator(solid=rotated(material(name), orientation), length=0.012, thickness=1e-3, ends="absorbing")
     middle = 2.15e6 if name == "PZT-8" else 3.4e6
     row = (
