@@ -16,7 +16,8 @@ kernels).
 The files are stored in the first of these folders that can be written to: NUMBA_CACHE_DIR, the package's __pycache__,
 the user's cache, the user's own folder among the temporary files. Their folder is named by a digest of all sources that
 hold kernels or constants in kernels, of the versions of the compilers, and of the processor. A change of any of these
-therefore compiles all kernels again. Kernels of other packages lie in a folder of their own within it (`_folder_of`).
+therefore compiles all kernels again. What is stored of the kernels of other packages is named by a digest of those
+(`_other_package`).
 """
 
 import ctypes
@@ -228,7 +229,8 @@ class Native(Kernel):
 
         If that fails, numba's ordinary compiler compiles the kernel. It raises an error of the kernel itself again.
         """
-        name = f"{self.__module__}-{self.__name__}-{hashlib.sha256(words.encode()).hexdigest()[:8]}.o"
+        package = _other_package(self.function.__code__.co_filename)
+        name = f"{self.__module__}-{self.__name__}-{hashlib.sha256((words + package).encode()).hexdigest()[:8]}.o"
         with _LOCK:
             if words in self._loaded:  # by another thread
                 return
@@ -488,18 +490,28 @@ def cache_folder():
 def _folder_of(file):
     """Return the folder for what numba keeps of a file's kernels.
 
-    Of another package than this one it is named by a digest of that package's kernels and of the files beside them,
-    which hold their constants: numba itself looks at the kernel's own file alone.
+    Of another package than this one it is named by the digest of that package's kernels (`_other_package`).
     """
-    folder, root = cache_folder(), Path(file)
+    folder, other = cache_folder(), _other_package(file)
+    return folder if folder is None or not other else str(Path(folder) / other)
+
+
+@cache
+def _other_package(file):
+    """Return the name of the package of a file and a digest of its kernels; empty for this package.
+
+    The digest is that of the files that hold kernels and of those beside them, which hold their constants: numba itself
+    looks at the kernel's own file alone.
+    """
+    root = Path(file)
     while (root.parent / "__init__.py").is_file():
         root = root.parent
-    if folder is None or root == HERE or root.suffix:
-        return folder
+    if root == HERE or root.suffix:
+        return ""
     texts = {path: path.read_bytes() for path in sorted(root.rglob("*.py"))}
     folders = {path.parent for path, text in texts.items() if any(mark in text for mark in _MARKS)}
     digest = hashlib.sha256(b"".join(text for path, text in texts.items() if path.parent in folders))
-    return str(Path(folder) / f"{root.name}-{digest.hexdigest()[:16]}")
+    return f"{root.name}-{digest.hexdigest()[:16]}"
 
 
 def _home():

@@ -172,7 +172,7 @@ class MotorState:
         preload = motor.preload if preload is None else preload
         refuse_preload(preload)
         inputs = float(level), force / motor.share, preload / motor.share, float(duration)
-        if model.advance(motor.parameters, motor.tables, self.numbers, *inputs) != 0.0:
+        if model.advance(motor.parameters, motor.tables, self.numbers, *inputs):
             raise RunError("the averaged motion is not finite: check level, force and preload")
 
     time = property(lambda self: float(self.numbers[index.TIME]))

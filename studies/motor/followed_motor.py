@@ -26,7 +26,7 @@ impulse is that of the part of the step in which it is closed (`jump`).  It shar
 
 import numpy as np
 
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, native
 from studies.export import reduced_motor as model
 from studies.export.law_grid import places
 from studies.export.motor_model import AveragedMotor
@@ -98,9 +98,10 @@ class FollowedMotor:
         preload = motor.preload if preload is None else preload
         # the integrated slider is `motor.slider`; forces on the real one are `motor.share` times as large
         follow(
-            p, motor.tables, self.state, (self.layers, self.anchors, self.touching), self.normal[waves],
+            p, motor.tables, self.state, self.layers, self.anchors, self.touching, self.normal[waves],
             self.tangential[waves], envelopes[waves], self.omega, self.time,
             np.array([duration, longest, force / motor.share, preload / motor.share]),
+            np.zeros((7, self.normal.shape[1])),
         )  # fmt: skip
         self.time += duration
 
@@ -169,20 +170,27 @@ def layered_force(p, layers, anchors, touching, i, before, z, moved):
     return q
 
 
-@compiled
-def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, inputs):
-    """Integrate a state; ``inputs`` are duration and longest step in s, force along +x and preload in N."""
-    duration, longest, force, preload = inputs
+@native(
+    "f1 f1 f1 f2 f2 f2 c2 c2 c2 f f f1 f2",
+    {"layers": "2 k", "anchors": "n k", "touching": "n 3", "normal": "d n", "tangential": "d n", "envelopes": "d m",
+     "inputs": "4", "before": "7 n"},
+)  # fmt: skip
+def follow(
+    p, tables, state, layers, anchors, touching, normal, tangential, envelopes, omega, time, inputs, before,
+):  # fmt: skip
+    """Integrate a state; ``inputs`` are duration and longest step in s, force along +x and preload in N.
+
+    ``before``, zero at first, holds values of the previous step for each contact: approach, or the depth of one stop,
+    u_x, rates of both; approach, normal force and Q.
+    """
+    duration, longest, force, preload = inputs[0], inputs[1], inputs[2], inputs[3]
     steps = int(np.ceil(duration / longest * (1.0 - 1e-12)))
     h = duration / steps
     drives, contacts = normal.shape
     nodes = envelopes.shape[1]
-    layers, anchors, touching = rough
     stiffness, exponent = p[index.STIFFNESS] / contacts, p[index.EXPONENT]
     mass, friction, c, pull = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE], p[index.PULL]
     tabulated, pulls = p[index.FORCE_NODES] > 0.5, int(p[index.FIRST_DRIVE + index.PULLS])
-    # values of the previous step: approach, or the depth of one stop, u_x, rates of both; approach, normal force and Q
-    before = np.zeros((7, contacts))
     normal_acceleration, acceleration = 0.0, 0.0
     phase, rotation = np.exp(1j * omega * time), np.exp(1j * omega * h)
     for k in range(steps + 1):
@@ -264,3 +272,4 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
         if k > 0:
             state[NORMAL_VELOCITY] += 0.5 * h * normal_acceleration + push / mass
             state[VELOCITY] += 0.5 * h * acceleration + pulled / mass
+    return 0

@@ -473,13 +473,20 @@ def test_a_law_that_is_gone_is_not_taken_for_a_new_one():
         gc.collect()
 
 
-def test_kernels_of_another_package_follow_its_constants(tmp_path):
+COMPILED = "@compiled\ndef scaled(x):\n    return factors.FACTOR * x\n\n\nprint(scaled(2.0))\n"
+NATIVE = (
+    '@native("f f1")\ndef scaled(x, out):\n    out[0] = factors.FACTOR * x\n    return 0\n\n\n'
+    "out = numpy.zeros(1)\nscaled(2.0, out)\nprint(out[0])\n"
+)
+
+
+@pytest.mark.parametrize("source", [COMPILED, NATIVE], ids=["compiled", "native"])
+def test_kernels_of_another_package_follow_its_constants(tmp_path, source):
     package = tmp_path / "own"
     package.mkdir()
     (package / "__init__.py").touch()
     (package / "kernel.py").write_text(
-        "from contact.jit.compiled import compiled\nfrom own import factors\n\n\n@compiled\ndef scaled(x):\n"
-        "    return factors.FACTOR * x\n\n\nprint(scaled(2.0))\n"
+        "import numpy\n\nfrom contact.jit.compiled import compiled, native\nfrom own import factors\n\n\n" + source
     )
     root = str(Path(compiled.__file__).parents[2])
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.pathsep.join((str(tmp_path), root))}

@@ -27,7 +27,7 @@ the slider bounces on a surface at rest. Ends of stick and slip are located with
 interpolation over four neighbours; on a steady wave (`glide`, `hold`) constant values are read once.
 """
 
-from studies.export.reduced_motor.bounce import steady_approach
+from studies.export.reduced_motor.approach import steady_approach
 from studies.export.reduced_motor.contact_spring import (
     contact_force,
     power,

@@ -2,7 +2,7 @@
 
 from math import exp
 
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, native
 from studies.export.reduced_motor import index
 from studies.export.reduced_motor.bounce import bounce_step, settle, steady_approach, update_steady_approach
 from studies.export.reduced_motor.contact_spring import spring_deformation
@@ -13,8 +13,8 @@ from studies.export.reduced_motor.sticking import hold, stick_step
 from studies.export.reduced_motor.surface_wave import change_drive, forget, wave
 
 
-@compiled
-def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -> float:
+@native("f1 f1 f1 f f")
+def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -> int:
     """Put the slider at rest at time 0 and position 0, its contacts deformed by an external force in N; return 0."""
     i: int = 0
     while i < index.STATE_SIZE:
@@ -27,7 +27,7 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
     held = bounded(-force, -slip_limit, slip_limit)
     state[index.DEFORMATION] = spring_deformation(p, tables, load, held)
     state[index.FORCE] = held
-    return 0.0
+    return 0
 
 
 @compiled
@@ -43,10 +43,8 @@ def warm(p: Array, state: Array, level: float, duration: float) -> float:
     return 0.0
 
 
-@compiled
-def advance(
-    p: Array, tables: Array, state: Array, level: float, force: float, preload: float, duration: float
-) -> float:
+@native("f1 f1 f1 f f f f")
+def advance(p: Array, tables: Array, state: Array, level: float, force: float, preload: float, duration: float) -> int:
     """Advance the motor by a duration in s under constant inputs; return 0, or 1 if a number is not finite.
 
     `level`: of the drive, V or m, negative for the second drive; `force`: external, N along +x; `preload`: N, positive.
@@ -132,4 +130,4 @@ def advance(
     if unsettled > 0.0:
         state[index.SURFACE] = wave(p, tables, state, int(state[index.ACTIVE]), state[index.TIME])
     total = state[index.POSITION] + state[index.VELOCITY] + state[index.APPROACH] + state[index.DEFORMATION]
-    return 0.0 if total - total == 0.0 else 1.0  # inf - inf and nan - nan are not 0
+    return 0 if total - total == 0.0 else 1  # inf - inf and nan - nan are not 0

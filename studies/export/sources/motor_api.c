@@ -8,7 +8,7 @@ int sawmotor_advance(sawmotor_state *state, double level, double load_force, dou
     if (!(preload > 0.0) || !(duration >= 0.0) || level != level || load_force != load_force) return 1;
     if (level < 0.0 && SAWMOTOR_DRIVES < 2) return 1;
     return model_advance(parameters, tables, state->number, level, load_force / SAWMOTOR_SHARE,
-                         preload / SAWMOTOR_SHARE, duration) == 0.0 ? 0 : 2;
+                         preload / SAWMOTOR_SHARE, duration) == 0 ? 0 : 2;
 }
 
 double sawmotor_time(const sawmotor_state *state) { return state->number[TIME]; }
