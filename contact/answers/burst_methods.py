@@ -25,14 +25,14 @@ def _averaged(burst):
     """Integrate the averaged equations, checked by the exact method in the first cycles."""
     nodes, truncation, _, _ = ORDERS[0 if burst.tolerance >= 1e-5 else 1]
     motion = rest(burst.slider, burst.orbits, burst.problem, nodes=nodes, truncation=truncation)
-    exact, true = motion.copy(), None
-    motion, record, error, check, statistics = averaged_run(burst, motion, np.arange(2, CHECKED + 1))
-    checked, velocities, stated = check
-    try:
-        first = exact.turn(int(checked[-1]), stride=1)[checked - 1, Recorded.VELOCITY]
-        true = float(np.max(np.abs(velocities - first)))
+    motion.turn(1)
+    checked = np.arange(2, min(CHECKED, burst.cycles - 1) + 1)
+    try:  # from the segments of the first cycle on
+        first = motion.copy().turn(checked.size, stride=1, warm=True)[:, Recorded.VELOCITY]
     except ConvergenceError:  # the estimate remains without check
-        pass
+        first = None
+    motion, record, error, (velocities, stated), statistics = averaged_run(burst, motion, checked)
+    true = None if first is None else float(np.max(np.abs(velocities - first)))
     error, velocity = averaged_burst_error(error, true, stated), float(motion.state[At.VELOCITY])
     return Result((motion, record), error, burst.allowed(velocity), statistics)
 

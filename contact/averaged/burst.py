@@ -76,20 +76,18 @@ def refuse_unless_applicable(
 def averaged_run(burst, motion, checked):
     """Return (motion, record, error, check, statistics) of a `burst_question.Burst` of at least 3 cycles.
 
-    `motion` is the motion at phase 0; it is advanced to the end of the burst. The record has (v, z_s); z_s excludes
-    the motion within a cycle. `error` is that of v at the end, scaled. `checked` are numbers of cycles after which the
-    motion is compared with the exact one; those inside the burst are returned in `check`, with v there and the error
-    that is stated for these. An error is the sum of three parts:
+    `motion` is the motion after the first cycle; it is advanced to the end of the burst. The record has (v, z_s); z_s
+    excludes the motion within a cycle. `error` is that of v at the end, scaled. `checked` are numbers of cycles inside
+    the burst after which the motion is compared with the exact one; `check` has v there and the error that is stated
+    for these. An error is the sum of three parts:
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
     - for a first-order run, the difference between first and second order, both with the coarse steps;
     - the error of second-order averaging.
     """
     cycles, tolerance, unit, turn = burst.cycles, burst.tolerance, burst.reference(), 2.0 * math.pi
-    motion.turn(1)
     ends = burst.stride * np.arange(1, cycles // burst.stride + 1)
     inner = (ends > 1) & (ends < cycles)
-    checked = checked[(checked > 1) & (checked < cycles)]
     compared = 1 + np.unique(np.linspace(cycles // 2, cycles - 2, COMPARED).astype(int))
     numbers = np.unique(np.concatenate([ends[inner], compared, checked]))
     late, early = np.searchsorted(numbers, compared), np.searchsorted(numbers, checked)
@@ -132,5 +130,5 @@ def averaged_run(burst, motion, checked):
     motion.set_state(*state, motion.carried.deformation)
     motion.turn(1)
     record[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    check = checked, averaged_record[early, Recorded.VELOCITY], float(stated)
+    check = averaged_record[early, Recorded.VELOCITY], float(stated)
     return motion, record, float(error), check, {"cycles": cycles, "order": 2 if second_order_needed else 1}
