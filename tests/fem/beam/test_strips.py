@@ -1,7 +1,7 @@
 """Apodised and slanted transducers as strips along y.
 
 Truths: drawn fingers; the same transducer cut into strips; the Fourier transform of the taps (impulse response of weak
-coupling); reciprocity, power; the mean over periods.
+coupling); reciprocity, also of spreading beams between static charges, power; the mean over periods.
 """
 
 from dataclasses import replace
@@ -26,6 +26,7 @@ from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.surface_beam import BeamError
 from fem.geometry import MAX_STRIPS
 from fem.solve.driven_stator import driven_wave
+from tests.oracles.fem_static_strips import charge_transform, static_charges
 
 F = 2.2e6
 PLATE = Stator(solid=rotated(material("PZT-8"), "Z"), length=14e-3, thickness=1.5e-3, ends="absorbing")
@@ -188,6 +189,59 @@ def test_an_apodised_transducer_sends_the_transform_of_its_taps():
         k = 2 * np.pi * f / found.wave.phase_velocity
         taps = np.tile([1, -1], 8) * np.exp(1j * k * (row.fingers.mean(axis=1) - row.center))
         assert sent / uniform == pytest.approx(taps @ np.array(overlaps) / taps.sum(), rel=0.025), f
+
+
+def received(found, row, side):
+    """Charge times potential over a transducer that the beam meets: its static charges at 1 V, and u_z for a potential.
+
+    ``side``: 1 for waves that run to +x.  Factors that all beams have in common are left out.
+    """
+    k, total = 2 * np.pi * F / found.wave.phase_velocity, 0.0
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    for strip in strips_of((row,)):
+        (own,) = strip.transducers
+        fingers, half = own.fingers, (strip.high - strip.low) / 2
+        charges = static_charges(fingers - own.center, [0.5 if sign == "+" else -0.5 for sign in own.signs])
+        parts = [
+            charge_transform([each - each.mean()], charge[None], -side * k)
+            for each, charge in zip(fingers, charges, strict=True)
+        ]
+        y = (strip.low + strip.high) / 2 + half * nodes
+        x, y = np.broadcast_arrays(fingers.mean(axis=1)[:, None], y)
+        total = total + half * np.sum(np.array(parts)[:, None] * found.motion(x, y)[2] * weights)
+    return total
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ({"overlaps": WINDOW}, {"slant": 0.15, "slant_strips": 4}),
+        ({"slant": 0.3, "slant_strips": 6}, {"overlaps": (0.4, 0.6, 1.0, 0.6)}),
+        ({"slant": 0.3, "slant_strips": 6}, {"slant": -0.2, "slant_strips": 4}),
+    ],
+)
+def test_reciprocity_under_spreading_beams(one, other):
+    """What each receives of the other's spreading surface wave is equal: charges by an own electrostatic solution.
+
+    Coupling of a tenth, so that static charges send and receive.  Apertures of 3 and a way of 10 wavelengths: plane
+    sections of the strips give another amplitude.  Without the charges at the ends and tips of fingers, which are not
+    in `received`.
+    """
+    solid = material("PZT-8")
+    stator = Stator(
+        solid=replace(solid, coupling=0.1 * solid.coupling), length=20e-3, thickness=1.5e-3, ends="absorbing"
+    )
+    rows = [
+        replace(SENDER, center=5e-3, aperture=3e-3, **one), replace(RECEIVER, center=15e-3, aperture=3e-3, **other),
+    ]  # fmt: skip
+
+    def of(row, spreads):
+        return strip_beam(stator, (row,), frequency=F, drive=row.name, solve=solve, places=(10e-3,), spreads=spreads)
+
+    sent = [replace(of(row, True).surface_mode, straightened=()) for row in rows]
+    there, back = received(sent[0], rows[1], 1.0), received(sent[1], rows[0], -1.0)
+    assert there == pytest.approx(back, rel=0.015)
+    assert abs(received(of(rows[0], False), rows[1], 1.0) / there - 1) > 0.15
 
 
 def test_what_strips_do_not_take_is_refused():
