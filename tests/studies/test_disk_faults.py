@@ -168,6 +168,57 @@ def test_no_failing_operation_of_a_design_is_a_defect(tmp_path, monkeypatch):
     best.write(folder)
 
 
+@pytest.mark.parametrize(("error", "reason"), FAULTS.values(), ids=FAULTS)
+def test_no_failing_operation_of_a_fit_loses_anything(error, reason, tmp_path, monkeypatch, capsys):
+    """The former fit, and what the user put beside it, stay as they are, or the new fit is there as a whole."""
+    data, former, folder = tmp_path / "lab.csv", tmp_path / "former", tmp_path / "fit"
+    data.write_text("normal_amplitude_m,velocity_m_per_s\n5e-9,0.022\n1e-8,0.06\n2e-8,0.14\n")
+    words = [
+        "fit",
+        "twente-contact",
+        "--data",
+        str(data),
+        "--free",
+        "slider.friction_coefficient=0.02:0.3",
+        "--no-next",
+    ]
+    words += ["--no-plot", "--out", str(folder)]
+    found = []
+    fitted = studies.inverse.fit
+    monkeypatch.setattr("studies.inverse.fit", lambda *of, **to: found.append(fitted(*of, **to)) or found[-1])
+    assert main(words) == 0
+    (folder / "note.txt").write_text(NOTE)
+    folder.rename(former)
+    before = written(former)
+    capsys.readouterr()
+    monkeypatch.setattr("studies.inverse.fit", lambda *_, **__: found[0])  # the disk is tested, not the solver
+
+    failed, k = 0, 0
+    while True:
+        shutil.copytree(former, folder)
+        with monkeypatch.context() as patch:
+            disk = Disk(patch, folder, error)
+            disk.fails = k
+            status = main(words)
+        said = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
+        kept = written(folder)
+        assert (folder / "note.txt").read_text() == NOTE
+        assert all(kept.get(name) == content for name, content in before.items() if name != MANIFEST), k
+        if status:
+            failed += 1
+            assert status in (2, 3), (k, said)
+            assert len(said) == 1, (k, said)
+            assert reason in said[0], (k, said)
+        assert main(words) == 0, k
+        assert json.loads((folder / "fit.json").read_text())["parameters"]
+        capsys.readouterr()
+        shutil.rmtree(folder)
+        if disk.count <= k:
+            break
+        k += 1
+    assert failed > 5  # the table, the scene, fit.json, the manifest, the moves
+
+
 class FailingConnection:
     """A connection to a store whose second write of a transaction fails, which SQLite then takes back."""
 
