@@ -36,10 +36,10 @@ class _Rows(NamedTuple):
     ahead: np.ndarray  # (m, 2): exp(-i k d) of the distance d to the next row; the last one is not read
     incident: np.ndarray  # (2, 2): U+ on the left of the first row, U- on the right of the last one
     # what is filled: linear functions of U+ on the left, their constants last, U- on the left and U+ on the right;
-    # U- on the right, of U+ on the right; and both amplitudes in the mean of the two sides
+    # U- on the right, of U+ on the right, of one row; and both amplitudes in the mean of the two sides
     returned: np.ndarray  # (m, 2, 3)
     passed: np.ndarray  # (m, 2, 3)
-    behind: np.ndarray  # (m, 2, 3)
+    behind: np.ndarray  # (2, 3)
     out: np.ndarray  # (m, 4)
     block: np.ndarray  # (4, 7): equations of one row
 
@@ -47,7 +47,7 @@ class _Rows(NamedTuple):
 @compiled
 def _set_behind(rows, j):
     """Express U- on the right of a row by U+ there: through the gap to the next row, and back."""
-    behind = rows.behind[j]
+    behind = rows.behind
     if j == rows.force.shape[0] - 1:
         for part in range(PARTS):
             behind[part, 0] = behind[part, 1] = 0.0
@@ -68,7 +68,7 @@ def _set_equations(rows, g, j):
 
     They are the jumps (1) and (2) for the forces F_0 + J (q - q_0), where q is the mean of the two sides.
     """
-    block, behind, force, slope, amplitude = rows.block, rows.behind[j], rows.force[j], rows.slope[j], rows.amplitude[j]
+    block, behind, force, slope, amplitude = rows.block, rows.behind, rows.force[j], rows.slope[j], rows.amplitude[j]
     constant = REAL + PARTS
     for row in range(REAL):
         # i g F: the real part of this jump is -g times the imaginary part of F
@@ -117,7 +117,7 @@ def _solve_block(block):
 
 @native("t f", {
     "rows.force": "m 4", "rows.slope": "m 4 4", "rows.amplitude": "m 4", "rows.ahead": "m 2", "rows.incident": "2 2",
-    "rows.returned": "m 2 3", "rows.passed": "m 2 3", "rows.behind": "m 2 3", "rows.out": "m 4", "rows.block": "4 7",
+    "rows.returned": "m 2 3", "rows.passed": "m 2 3", "rows.behind": "2 3", "rows.out": "m 4", "rows.block": "4 7",
 })  # fmt: skip
 def _march(rows, g):
     """Fill the mean amplitudes at all rows; return whether the forces leave them open.
@@ -137,7 +137,8 @@ def _march(rows, g):
                 rows.returned[j, part, k] = block[PARTS + part, REAL + k]
     real, imag = rows.incident[0, 0], rows.incident[0, 1]
     for j in range(m):
-        passed, returned, behind = rows.passed[j], rows.returned[j], rows.behind[j]
+        _set_behind(rows, j)
+        passed, returned, behind = rows.passed[j], rows.returned[j], rows.behind
         right = passed[0, 0] * real + passed[0, 1] * imag + passed[0, 2]
         right_imag = passed[1, 0] * real + passed[1, 1] * imag + passed[1, 2]
         for part in range(PARTS):
@@ -172,7 +173,7 @@ def march(turn, force, slope, amplitude, g, incident):
     rows = _Rows(
         force=_parts(force), slope=slope, amplitude=_parts(amplitude),
         ahead=_parts(ahead).reshape(m, 2), incident=_parts(edges).reshape(2, 2), returned=np.empty((m, 2, 3)),
-        passed=np.empty((m, 2, 3)), behind=np.empty((m, 2, 3)), out=np.empty((m, 4)), block=np.empty((4, 7)),
+        passed=np.empty((m, 2, 3)), behind=np.empty((2, 3)), out=np.empty((m, 4)), block=np.empty((4, 7)),
     )  # fmt: skip
     if _march(rows, float(g)):
         message = "the rows' forces change so fast with the wave that it is not determined"

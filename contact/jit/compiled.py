@@ -57,6 +57,7 @@ _CODES = {"<f8": "f", "<i8": "i", "<c16": "c"}
 # most so many numbers, so that what is kept alive is small, and at most so many
 MAX_KEPT_NUMBERS, MAX_KEPT_TUPLES = 20_000, 200
 _PACKED: dict = {}
+_NOTHING = None, "", b"", ()  # the argument None, packed
 
 
 def compiled(function):
@@ -190,7 +191,7 @@ class Native(Kernel):
     def __init__(self, function, types, shapes=None):
         super().__init__(function)
         self.types, self.shapes = types, shapes or {}
-        self._loaded, self._fitting, self._packed = {}, set(), [(None, "", b"", ())] * len(types)
+        self._loaded, self._fitting, self._packed = {}, set(), [_NOTHING] * len(types)
 
     def __call__(self, *arguments):
         """Run the machine code; arrays must have the types that the kernel was declared with."""
@@ -200,8 +201,8 @@ class Native(Kernel):
             # the addresses of a named tuple that was also the last call's argument are known
             if argument is None or part[0] is not argument:
                 part = (argument, *_packed_argument(self.__name__, kind, argument))
-                if kind == "t":
-                    self._packed[k] = part
+                # large arrays are not kept alive until the next call
+                self._packed[k] = part if id(argument) in _PACKED else _NOTHING
             parts.append(part)
         lengths = tuple([part[3] for part in parts])
         if self.shapes and lengths not in self._fitting:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -341,6 +342,15 @@ def test_arrays_of_another_type_have_their_own_machine_code(places, tmp_path):
     assert kernel(Weights(np.array([3, 4]))) == 14
     assert not compiled.ORDINARY
     assert len(files(tmp_path)) == 2
+
+
+def test_a_kernel_keeps_no_large_arrays_alive(places):
+    kernel = compiled.Native(total, ("t",))
+    weights = Weights(np.ones(compiled.MAX_KEPT_NUMBERS + 1))
+    alive = weakref.ref(weights.values)
+    assert kernel(weights) == 2 * weights.values.size
+    del weights
+    assert alive() is None
 
 
 def read_off(sigma, bary, values, at):
