@@ -76,7 +76,8 @@ class Checks:
 
 def _checked(name, value, unit, rule, holds, kind=float):
     try:
-        if isinstance(value, (bool, str) if kind is complex else (bool, str, complex)) or np.ndim(value) != 0:
+        other = (bool, str) if kind is complex else (bool, str, complex)
+        if isinstance(value, other) or not (isinstance(value, (int, float, complex)) or np.ndim(value) == 0):
             raise TypeError
         number = kind(value)
         if not holds(number):

@@ -409,7 +409,7 @@ class Slider(SliderRules):
     def even(self) -> bool:
         """True if all contacts have the same stiffnesses and the weight 1."""
         own = self.normal_stiffness, self.tangential_stiffness, self.weights
-        return bool(np.max(self.weights) == 1.0) and all(np.ptp(each) == 0.0 for each in own)
+        return bool(np.max(self.weights) == 1.0) and all(np.ndim(each) == 0 or np.ptp(each) == 0.0 for each in own)
 
     @property
     def unit_mass(self) -> float:
@@ -651,6 +651,8 @@ class Slider(SliderRules):
         law, pull = self.profile, self.profile.pull
         if law.hold is not None:
             pull = attraction(self.depth_under(self.preload, contacts), pull, law.hold)
+        if pull == 0.0:
+            return 0.0
         return self.stiffness_unit * pull * float(np.sum(self.contact_factors(contacts)[0]))
 
     def depth_under(self, force: float, contacts: int) -> float:
@@ -714,7 +716,7 @@ class Slider(SliderRules):
                 self.stiffness_unit * contacts
             )
             return c * np.full(contacts, rest - float(normal.approach(max(carried, 0.0), self.profile)))
-        if self.friction is not None or np.ptp(self.limit_slope) > 0.0:
+        if self.friction is not None or (np.ndim(self.limit_slope) and np.ptp(self.limit_slope) > 0.0):
             limits = self._slip_limits(z)
             if self.static_friction(contacts) <= self.load:
                 return limits

@@ -20,10 +20,12 @@ def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
     contact that touches keeps its deformation. A contact with memory is deformed on the surface at rest, before the
     wave displaces the surface.
     """
-    begun, state = problem._replace(paths=times(problem.paths, factor)), rest_state(slider, problem)
-    motion = Motion(without_wave(problem), grid=collocation(nodes), truncation=truncation)
-    for surface in (begun,) if motion.memory is None else (motion.problem, begun):
-        motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :], problem=surface)
+    begun = problem if factor == 1.0 else problem._replace(paths=times(problem.paths, factor))
+    state, motion = rest_state(slider, problem), Motion(begun, grid=collocation(nodes), truncation=truncation)
+    if motion.memory is not None:
+        motion.problem = without_wave(problem)
+        motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
+    motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :], problem=begun)
     motion.problem = problem
     return motion
 
