@@ -249,11 +249,11 @@ def test_many_frequencies_of_finite_apertures_are_a_band(monkeypatch, contacts):
     """A band of beams gives what a run gives at each frequency by itself, also under unequal balls off the axis."""
     table = replaced(SMALL, "slider.contacts", contacts)
     monkeypatch.setattr("fem.driven_wave", None)  # no frequency is solved alone
-    found = sweep(table, {"drive.frequency": "2.17 MHz:2.22 MHz:12"}, tolerance=2e-2)
+    found = sweep(table, {"drive.frequency": "2.17 MHz:2.22 MHz:8"}, tolerance=2e-2)
     monkeypatch.undo()
-    assert found.counts == {"ok": 12}
+    assert found.counts == {"ok": 8}
     columns = found.columns()
-    for point in (1, 7):
+    for point in (1, 6):
         one = replaced(table, "drive.frequency", columns["drive.frequency"][point])
         (expected,) = run(Scene.from_table("", one), tolerance=2e-2).points
         error = 2 * (expected["relative_error"] + columns["relative_error"][point])
