@@ -56,7 +56,7 @@ def unit_in_head(text: str) -> str:
 
 
 def head_of_column(text: str, unit: str = "") -> str:
-    """Return the head of a column as ``noun_unit``; a head without a known unit stays as it is.
+    """Return the head of a column as noun and unit, as ``velocity_mm_per_s``; one without a known unit stays as it is.
 
     Parameters
     ----------
