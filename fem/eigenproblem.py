@@ -99,22 +99,26 @@ def companion_modes(second, skew, zeroth):
 def _graded_eigenpairs(left, right, shift):
     """All eigenpairs of right v = s left v whose s span many decades (fine layers: s = k^2 up to 1e14).
 
-    The shift-inverted problem gives the small eigenvalues to all digits and the direct one the large ones.
+    The shift-inverted problem gives the small eigenvalues to all digits and the shapes of the large ones to fewer.  In
+    the basis V of all these shapes the direct problem left^-1 right is nearly diagonal.  With V = [V_small, V_large],
+
+        left^-1 right V_large = V_small G + V_large H,      H y = s y,      v = V_large y + V_small z,
+
+    where z_i = (G y)_i / (s - s_i), because the small ones are eigenpairs already.
     """
-
-    def sorted_pairs(values, vectors):
-        order = np.argsort(abs(values))
-        return values[order], vectors[:, order]
-
     # numpy's eigensolver releases the global interpreter lock, scipy's does not; the matrices are ill-conditioned, and
-    # only the accurate half of each spectrum is used
-    values, vectors = np.linalg.eig(np.linalg.solve(right - shift * left, left))
-    small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
-    if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):
-        return small, small_vectors
-    large, large_vectors = sorted_pairs(*np.linalg.eig(np.linalg.solve(left, right)))
-    middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
-    near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
-    gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(small[near]) / abs(small[near - 1]))
-    cut = int(near[np.argmax(gaps)])
-    return np.append(small[:cut], large[cut:]), np.hstack([small_vectors[:, :cut], large_vectors[:, cut:]])
+    # only the accurate part of the spectrum is used
+    inverses, vectors = np.linalg.eig(np.linalg.solve(right - shift * left, left))
+    order = np.argsort(-abs(inverses))
+    values, vectors = shift + 1.0 / inverses[order], vectors[:, order]
+    sizes = abs(values)
+    if sizes[-1] < WIDE_SPECTRUM * abs(shift):
+        return values, vectors
+    middle = int(np.searchsorted(sizes, np.sqrt(sizes[-1] * abs(shift))))
+    near = np.arange(max(1, middle - 8), min(len(sizes) - 1, middle + 8))
+    cut = int(near[np.argmax(sizes[near] / sizes[near - 1])])
+    both = np.linalg.solve(vectors, np.linalg.solve(left, right @ vectors[:, cut:]))  # G and H
+    large, combinations = np.linalg.eig(both[cut:])
+    parts = both[:cut] @ combinations / (large - values[:cut, None])
+    shapes = vectors @ np.concatenate([parts, combinations])
+    return np.append(values[:cut], large), np.hstack([vectors[:, :cut], shapes])

@@ -6,7 +6,7 @@ own mirror image, so that even and odd fields are eliminated apart where x -> -x
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from fem.condense.cascade_piece import ELECTRODES, Blocks
 from fem.condense.elimination import schur
 from fem.condense.mirror_pairs import MirrorPairs
-from fem.discretize.element_matrices import element_matrix
+from fem.discretize.element_matrices import combined, element_matrix, element_parts
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 
@@ -89,19 +89,18 @@ def _condensed_by_parity(
     inside_from: dict[tuple, Callable[[], np.ndarray]] = {}
     for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
         kind = element_kind(height, medium)
-        sets = ElementSets(section.order, len(medium.fields))
-        own = _element_pairs(section.order, odd_fields[[FIELD_COLUMN[name] for name in medium.fields]], sets)
-        rim = own.part(slice(0, len(sets.rim)))
+        own = _element_parities(
+            medium, section.order, tuple(odd_fields[[FIELD_COLUMN[name] for name in medium.fields]])
+        )
         if kind not in done:
-            order = np.concatenate([sets.rim, sets.inside])
-            full = element_matrix(medium, width, height, section.order, angular)[np.ix_(order, order)]
-            done[kind], back = _eliminated(own.split(full), own, len(sets.rim))
-            inside_from[kind] = partial(own.part(slice(len(sets.rim), None)).joined, back, rim)
+            both = [combined(parts, width, height, angular) for parts in own.parts]
+            done[kind], back = _eliminated(both, own.pairs, len(own.rim.images))
+            inside_from[kind] = partial(own.inside.joined, back, own.rim)
         dofs = element_dofs(section, element, faces)
-        for matrix, place, chosen, each in zip(matrices, places, rim.chosen, done[kind], strict=True):
+        for matrix, place, chosen, each in zip(matrices, places, own.rim.chosen, done[kind], strict=True):
             exists = np.flatnonzero(dofs[chosen] >= 0)
             at = place[dofs[chosen[exists]]]
-            matrix[np.ix_(at, at)] += each[np.ix_(exists, exists)]
+            matrix[at[:, None], at] += each[exists[:, None], exists]
     reduced, back = _eliminated(matrices, whole, outer)
     return Skeleton(kept.joined(reduced, kept), faces, partial(dropped.joined, back, kept), inside_from)
 
@@ -138,14 +137,28 @@ def _column_pairs(section: Section, faces: np.ndarray, count: int, odd: np.ndarr
     return MirrorPairs(images, odd_ones)
 
 
-def _element_pairs(order: int, odd_fields: np.ndarray, sets: ElementSets) -> MirrorPairs:
-    """Unknowns of an element, those on its edges first."""
+class _Parities(NamedTuple):
+    """Unknowns of an element, those on its edges first, and its matrices by parity."""
+
+    pairs: MirrorPairs
+    rim: MirrorPairs  # those on its edges
+    inside: MirrorPairs
+    parts: tuple[np.ndarray, ...]  # of even and of odd fields: `element_parts`, shape (4, n, n)
+
+
+@lru_cache(maxsize=32)
+def _element_parities(medium: Medium, order: int, odd_fields: tuple[bool, ...]) -> _Parities:
+    """Parities of an element of any size; ``odd_fields``: of its medium's fields."""
+    sets = ElementSets(order, len(odd_fields))
     at = np.concatenate([sets.rim, sets.inside])
     place = np.argsort(at)  # of each unknown in this order
     shape = (order + 1, order + 1, len(odd_fields))
     mirrored = np.arange(len(at)).reshape(shape)[::-1].reshape(-1)
     odd = np.broadcast_to(odd_fields, shape).reshape(-1)
-    return MirrorPairs(place[mirrored[at]], odd[at])
+    pairs, count = MirrorPairs(place[mirrored[at]], odd[at]), len(sets.rim)
+    split = [pairs.split(each[np.ix_(at, at)]) for each in element_parts(medium, order)]
+    parts = tuple(np.stack([0.5 * (part + part.T) for part in each]) for each in zip(*split, strict=True))
+    return _Parities(pairs, pairs.part(slice(0, count)), pairs.part(slice(count, None)), parts)
 
 
 def element_kind(height: complex, medium: Medium) -> tuple:

@@ -5,17 +5,48 @@ import numpy as np
 from fem.exceptions import ConvergenceError
 
 MAX_AMPLIFICATION = 1e9  # of the field inside a piece over that at its sides: seven digits are left
+SMALLEST_BLOCK = (
+    64  # columns of `symmetric_product` that are multiplied whole; 32 and 128 take the same time within 5 %
+)
 
 
 def schur(matrix, keep, drop):
-    """Schur complement onto ``keep``, symmetrised against rounding, and the matrix from ``keep`` to ``drop``."""
-    coupling = matrix[np.ix_(drop, keep)]
-    remaining = matrix[np.ix_(keep, keep)]
+    """Schur complement of a symmetric matrix onto ``keep``, and the matrix from ``keep`` to ``drop``."""
+    coupling = matrix[drop[:, None], keep]
+    remaining = matrix[keep[:, None], keep]
     if not len(drop):
         return remaining, coupling
-    back = sides_to_inside(matrix[np.ix_(drop, drop)], coupling)
-    reduced = remaining + coupling.T @ back
-    return 0.5 * (reduced + reduced.T), back
+    back = sides_to_inside(matrix[drop[:, None], drop], coupling)
+    remaining += symmetric_product(coupling, back)
+    return remaining, back
+
+
+def symmetric_product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return left^T right where that is symmetric but for rounding, exactly symmetric; about half of it is computed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> symmetric_product(np.array([[1.0, 2.0]]), np.array([[3.0, 6.0]])).tolist()
+    [[3.0, 6.0], [6.0, 12.0]]
+    """
+    product = np.empty((left.shape[1],) * 2, dtype=np.result_type(left, right))
+    _fill_symmetric(product, left, right)
+    return product
+
+
+def _fill_symmetric(product: np.ndarray, left: np.ndarray, right: np.ndarray) -> None:
+    """Write left^T right, by halves of the columns."""
+    if left.shape[1] <= SMALLEST_BLOCK:
+        whole = left.T @ right
+        np.add(whole, whole.T, out=product)
+        product *= 0.5
+        return
+    first, second = slice(None, left.shape[1] // 2), slice(left.shape[1] // 2, None)
+    for half in (first, second):
+        _fill_symmetric(product[half, half], left[:, half], right[:, half])
+    np.matmul(left[:, first].T, right[:, second], out=product[first, second])
+    product[second, first] = product[first, second].T
 
 
 def sides_to_inside(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:

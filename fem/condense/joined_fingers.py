@@ -34,7 +34,7 @@ import numpy as np
 from fem.condense.cascade_piece import Blocks
 from fem.condense.electrode_conditions import equipotential
 from fem.condense.element_column import Column
-from fem.condense.elimination import sides_to_inside
+from fem.condense.elimination import sides_to_inside, symmetric_product
 from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated, SurfaceReactions
 
 
@@ -77,8 +77,7 @@ def joined(
     else:
         coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
         transfer = sides_to_inside(middle, coupling)  # T of equation (2)
-        matrix = _symmetric_product(coupling, transfer)  # and equation (3)
-        matrix = 0.5 * (matrix + matrix.T)
+        matrix = symmetric_product(coupling, transfer)  # and equation (3)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
         matrix[line, at.ports] += own[line, at.ports]
@@ -139,8 +138,7 @@ def _eliminated_mirror_line(
     for parity in (np.flatnonzero(~odd), np.flatnonzero(odd)):
         own = coupling[parity]
         solved[parity] = sides_to_inside(middle[np.ix_(parity, parity)], own)
-        product = own.T @ solved[parity]
-        products.append(0.5 * (product + product.T))
+        products.append(symmetric_product(own, solved[parity]))
     even, uneven = products
     both, difference = even + uneven, even - uneven
     at = Blocks(size)
@@ -156,16 +154,6 @@ def _eliminated_mirror_line(
     matrix[at.ports, at.ports] = both[size:, size:]
     left = solved[:, :size]
     return np.hstack([left, line[:, None] * left * line, solved[:, size:]]), matrix
-
-
-def _symmetric_product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return left^T right where it is symmetric but for rounding: three quarters of it are computed."""
-    half = left.shape[1] // 2
-    product = np.empty((left.shape[1],) * 2, dtype=np.result_type(left, right))
-    product[:half] = left[:, :half].T @ right
-    product[half:, half:] = left[:, half:].T @ right[:, half:]
-    product[half:, :half] = product[:half, half:].T
-    return product
 
 
 def repeated(

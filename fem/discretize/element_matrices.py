@@ -24,18 +24,22 @@ def element_matrix(
     Width and height in length units, ``angular`` omega times the length unit in m/s; ``part``: "all", or "loss" for
     the imaginary part of the moduli alone, as a real matrix.
     """
-    parts = _element_parts(medium, order, part)
+    return combined(element_parts(medium, order, part), width, height, angular)
+
+
+def combined(parts: np.ndarray, width: float, height: complex, angular: float) -> np.ndarray:
+    """Matrix of an element of some size from the four of `element_parts`, or from blocks of them: shape (4, n, n)."""
     factors = np.array([height / width, 1.0, width / height, -(angular**2) * width * height])
     # real products in one pass over the memory, instead of one pass for each term of the sum
     flat = parts.reshape(4, -1).view(float)
-    combined = (factors.real @ flat).view(parts.dtype)
+    whole = (factors.real @ flat).view(parts.dtype)
     if np.iscomplexobj(factors):
-        combined = combined + 1j * (factors.imag @ flat).view(parts.dtype)
-    return combined.reshape(parts.shape[1:])
+        whole = whole + 1j * (factors.imag @ flat).view(parts.dtype)
+    return whole.reshape(parts.shape[1:])
 
 
 @lru_cache(maxsize=16)
-def _element_parts(medium: Medium, order: int, part: str) -> np.ndarray:
+def element_parts(medium: Medium, order: int, part: str = "all") -> np.ndarray:
     """The four matrices that an element of any size is a combination of: d_x d_x, mixed, d_z d_z, inertia."""
     line, depth = reference_matrices(order), element_line(medium, order)
     xx, xz, zz, inertia = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
@@ -45,7 +49,7 @@ def _element_parts(medium: Medium, order: int, part: str) -> np.ndarray:
     along = np.kron(np.kron(line.stiffness, depth.mass), xx)
     if isinstance(medium, GradedMedium):
         along = along + 1j * np.kron(np.kron(line.stiffness, medium.lossy_mass), medium.loss)
-    return np.stack(
+    parts = np.stack(
         (
             along,
             np.kron(across, xz) + np.kron(across.T, xz.T),
@@ -53,3 +57,4 @@ def _element_parts(medium: Medium, order: int, part: str) -> np.ndarray:
             np.kron(np.kron(line.mass, depth.mass), inertia),
         )
     )
+    return 0.5 * (parts + parts.swapaxes(1, 2))  # exactly symmetric

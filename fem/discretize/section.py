@@ -230,29 +230,37 @@ class Section:
         dofs = self.dofs[here][:, columns]
         return dofs, dofs >= 0
 
-    def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, scaled."""
-        factor = (2 * np.pi * frequency * self.length_unit) ** 2
+    @cached_property
+    def frequency_free_matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """K2, K1, K0 and M of a uniform segment, scaled, each (size, size)."""
 
         def of_element(height: complex, part: Medium):
             line = element_line(part, self.order)
             yield along_x(part, self.order, height)
             yield np.kron(line.advection.T, part.xz)
-            stiffness = np.kron(line.stiffness / height, part.zz)
-            yield stiffness - factor * np.kron(height * line.mass, np.diag(part.inertia))
+            yield np.kron(line.stiffness / height, part.zz)
+            yield np.kron(self.length_unit**2 * height * line.mass, np.diag(part.inertia))
 
-        return self._assembled(of_element, np.result_type(self.heights, *(part.xx for part in self.media)))
+        dtype = np.result_type(self.heights, *(part.xx for part in self.media))
+        second, first, zeroth, mass = self._assembled(of_element, dtype, 4)
+        return second, first, zeroth, mass
 
-    def _assembled(self, of_element: Callable, dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sums over the elements of three matrices that each has, shape (size, size)."""
-        sums = [np.zeros((self.size, self.size), dtype=dtype) for _ in range(3)]
+    def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, scaled."""
+        second, first, static, mass = self.frequency_free_matrices
+        return second, first, static - (2 * np.pi * frequency) ** 2 * mass
+
+    def _assembled(self, of_element: Callable, dtype, count: int) -> tuple[np.ndarray, ...]:
+        """Sums over the elements of ``count`` matrices that each has, shape (size, size), read-only."""
+        sums = tuple(np.zeros((self.size, self.size), dtype=dtype) for _ in range(count))
         for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
             dofs, exists = self.element_dofs(element)
             keep, existing = dofs[exists], np.flatnonzero(exists.ravel())
             for total, own in zip(sums, of_element(height, part), strict=True):
-                total[np.ix_(keep, keep)] += own[np.ix_(existing, existing)]
-        second, first, zeroth = sums
-        return second, first, zeroth
+                total[keep[:, None], keep] += own[existing[:, None], existing]
+        for total in sums:
+            total.flags.writeable = False  # because its users share it
+        return sums
 
     def lateral_matrices(self, frequency: float, wavenumber: complex) -> tuple[np.ndarray, ...]:
         """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.
@@ -271,7 +279,7 @@ class Section:
             through = np.kron(line.advection, tables.zy) + np.kron(line.advection.T, tables.yz)
             yield through + np.kron(mass, tables.yy)
 
-        along, back, across = self._assembled(of_element, complex)
+        along, back, across = self._assembled(of_element, complex, 3)
         return second, *(_real_if_real(each) for each in (first + along, adjoint + back, zeroth + across))
 
 

@@ -87,19 +87,13 @@ class ReducedSection:
         return self.full.surface_share(self.basis @ shapes)
 
     @cached_property
-    def _projected(self):
-        # Hz; at a speed of 1e3 m/s the wavelength is one length unit: inertia and stiffness are then comparable, and
-        # their difference loses few digits
-        reference = 1e3 / self.length_unit
-        static, dynamic = (self.full.matrices(frequency) for frequency in (0.0, reference))
-        # the third matrix is K0 - omega^2 M, so that this quotient is -M
-        negative_mass = (dynamic[2] - static[2]) / (2 * np.pi * reference) ** 2
-        return tuple(self.basis.T @ part @ self.basis for part in (*static, negative_mass))
+    def _projected(self) -> tuple[np.ndarray, ...]:
+        return tuple(self.basis.T @ part @ self.basis for part in self.full.frequency_free_matrices)
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Projected K2, K1, K0 - omega^2 M."""
-        second, first, static, negative_mass = self._projected
-        return second, first, static + (2 * np.pi * frequency) ** 2 * negative_mass
+        second, first, static, mass = self._projected
+        return second, first, static - (2 * np.pi * frequency) ** 2 * mass
 
 
 def parity_groups(section: Section, separate_potential: bool) -> list[np.ndarray]:
@@ -260,12 +254,11 @@ def snapshots(
         at, sides = scatterer.at, section.solid.potential_unit * own_sides
         if id(scatterer) not in known:
             known.add(id(scatterer))
-            incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
-            incoming[at.left, : len(incident)] = rightwards
-            incoming[at.right, len(incident) :] = leftwards
             # columns: response to every incident mode with all potentials zero, then the fields of the unit excitations
-            no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
-            sides = np.hstack([np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage]), sides])
+            from_left, from_right, _ = scatterer.responses(incident)
+            responses = np.hstack([from_left * arriving[incident], from_right * arriving[incident]])
+            no_voltage = np.zeros((len(scatterer.potentials), responses.shape[1]))
+            sides = np.hstack([np.concatenate([responses, no_voltage]), sides])
         gap_lines.append(sides[at.right])
         if owner is None or not isinstance(scatterer.piece, FingerColumns):  # a meshed piece
             gap_lines.append(sides[at.left])

@@ -6,8 +6,8 @@ elements instead.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import reduce
+from dataclasses import dataclass, field, replace
+from functools import cache, reduce
 
 import numpy as np
 
@@ -137,8 +137,17 @@ def end_walls(
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in np.unique(widths)}
-    right = reduce(joined, [columns[each] for each in widths])
-    left = reduce(joined, [columns[each] for each in widths[::-1]]) if layers else right  # else all widths are equal
     lines = np.arange(2 * section.size).reshape(2, -1)
     held = held_at_end(section, stator.ends)
-    return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])
+
+    @cache
+    def end(side: int) -> Wall:
+        piece = reduce(joined, [columns[each] for each in widths[:: 1 if side else -1]])
+        return closed(piece, lines[1 - side], np.delete(lines[side], held))[0]
+
+    right = end(1)
+    if section.odd is None:
+        return end(0), right
+    line = np.where(section.odd, -1.0, 1.0)
+    mirrored = line[:, None] * right.matrix * line
+    return replace(right, matrix=mirrored, recover=lambda values: end(0).recover(values)), right

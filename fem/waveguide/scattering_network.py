@@ -94,6 +94,32 @@ class Scatterer:
         load[at.right] -= both @ incoming[at.right]
         return np.linalg.solve(self._between_ends, load)
 
+    @cached_property
+    def _known(self) -> dict[tuple[str, int], np.ndarray]:
+        return {}
+
+    def responses(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Unknowns of both lines for each of some modes from the left, each from the right, and each unit of potential.
+
+        Shape (2 n, modes) twice, and (2 n, ports of the network that determine the potentials).  The modes have unit
+        amplitude at the line where they arrive; all potentials are zero then.  Each is solved once.
+        """
+        left, right = (("left", int(mode)) for mode in modes), (("right", int(mode)) for mode in modes)
+        wanted = [*left, *right, *(("port", port) for port in range(self.potentials.shape[1]))]
+        missing = [each for each in wanted if each not in self._known]
+        if missing:
+            at, shapes = self.at, {"left": self.modes.right, "right": self.modes.left}
+            incoming = np.zeros((at.ports.start, len(missing)), dtype=complex)
+            potentials = np.zeros((len(self.potentials), len(missing)))
+            for column, (kind, number) in enumerate(missing):
+                if kind == "port":
+                    potentials[:, column] = self.potentials[:, number]
+                else:
+                    incoming[at.left if kind == "left" else at.right, column] = shapes[kind][:, number]
+            self._known.update(zip(missing, self.sides(incoming, potentials).T, strict=True))
+        both = np.array([self._known[each] for each in wanted]).T
+        return both[:, : len(modes)], both[:, len(modes) : 2 * len(modes)], both[:, 2 * len(modes) :]
+
     def reactions(self, sides: np.ndarray) -> np.ndarray:
         """Scaled reactions at the network's ports (minus the charge of a voltage) for lines and potentials (., m)."""
         return self.potentials.T @ (self.matrix[self.at.ports] @ sides)
@@ -204,9 +230,13 @@ class _Scattered(NamedTuple):
 
 
 def _scattered(
-    scatterer: Scatterer, ports: np.ndarray, before: _Segment, after: _Segment, excitations: int
+    scatterer: Scatterer, ports: np.ndarray, before: _Segment, after: _Segment, *, coupled: np.ndarray, excitations: int
 ) -> _Scattered:
-    """Response of a scatterer between two segments; ``ports``: those of the network that determine its potentials."""
+    """Response of a scatterer between two segments.
+
+    ``ports``: those of the network that determine its potentials; ``coupled``: all modes that couple the ends of any
+    segment, in rising order.
+    """
     modes, at = scatterer.modes, Blocks(scatterer.modes.section.size)
     m, count = len(before.coupling_modes), len(before.coupling_modes) + len(after.coupling_modes)
     incoming = np.zeros((2 * at.size, count + len(ports)), dtype=complex)
@@ -214,7 +244,15 @@ def _scattered(
     incoming[at.right, m:count] = modes.left[:, after.coupling_modes] * after.arriving("left")
     potentials = np.zeros((len(scatterer.potentials), count + len(ports)))
     potentials[:, count:] = scatterer.potentials
-    lines = scatterer.sides(incoming, potentials)
+    # of all modes that couple any segments, because equal transducers share the scatterer
+    from_left, from_right, from_ports = scatterer.responses(coupled)
+    lines = np.hstack(
+        [
+            from_left[:, np.searchsorted(coupled, before.coupling_modes)] * before.arriving("right"),
+            from_right[:, np.searchsorted(coupled, after.coupling_modes)] * after.arriving("left"),
+            from_ports,
+        ]
+    )
     # What the piece sends is the field of its lines less the incoming part.  The amplitudes of the coupling modes in it
     # are the scattering matrix, the first ``count`` columns, and the excitation by the ports.
     outgoing = lines - incoming
@@ -333,8 +371,9 @@ class Network:
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
         reflected = [self._reflection(side, segments[-side].coupling_modes) for side in (0, 1)]
         elements = [self._end(side, segments[-side], reflected[side], excitations) for side in (0, 1)]
+        coupled = np.unique(np.concatenate([each.coupling_modes for each in segments]))
         responses = [
-            _scattered(scatterer, own_ports, before, after, excitations)
+            _scattered(scatterer, own_ports, before, after, coupled=coupled, excitations=excitations)
             for scatterer, own_ports, before, after in zip(
                 self.scatterers, self.numbers, segments, segments[1:], strict=False
             )
