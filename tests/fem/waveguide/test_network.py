@@ -1,12 +1,15 @@
 """Stretches, ends and scatterers: waves that pass, come back, and do not know how long the rest is."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 
 from fem.condense.finger_columns import condensed
-from fem.condense.joined_fingers import repeated
+from fem.condense.joined_fingers import joined, repeated
+from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.parameters import InputError
-from fem.waveguide.end_conditions import end_reflection
+from fem.waveguide.end_conditions import closed, end_reflection, end_walls
 from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
@@ -48,6 +51,44 @@ def test_bare_piece_scatters_nothing(guided):
             constant = np.tile(depth.constant_potential, 2)
             error = error - np.outer(constant, constant @ error) / constant.sum()
         assert np.abs(error).max() < 1e-9
+
+
+def test_a_scatterer_answers_each_mode_and_each_port_as_alone():
+    """Asked for some modes and then for more: the lines that equation (1) has for each incident field alone."""
+    guided = guided_modes(section(plate(cut("PZT-4", "Z"), thickness=0.9, bottom="grounded"), order=6), FREQUENCY)
+    depth, n = guided.section, guided.section.size
+    block = condensed(depth, FREQUENCY, width=0.13, electrode=0)
+    scatterer = Scatterer(piece=block, modes=guided, potentials=np.array([[0.5, 1.0], [-0.5, 1.0]]))
+    scatterer.responses(np.array([1, 3]))
+    modes = np.array([4, 3, 0])
+    found = scatterer.responses(modes)
+    nothing, volts = np.zeros((n, 3)), np.zeros((2, 3))
+    expected = (
+        scatterer.sides(np.concatenate([guided.right[:, modes], nothing]), volts),
+        scatterer.sides(np.concatenate([nothing, guided.left[:, modes]]), volts),
+        scatterer.sides(np.zeros((2 * n, 2)), scatterer.potentials),
+    )
+    for ours, alone in zip(found, expected, strict=True):
+        np.testing.assert_allclose(ours, alone, rtol=0, atol=1e-9 * abs(alone).max())
+
+
+@pytest.mark.parametrize("ends", ["free", "clamped"])
+def test_condensed_ends_are_closed_on_their_own_side(ends):
+    """Each end by one join from its outer line: as a piece whose outer line is held or free."""
+    depth = section(stator := plate(cut("PZT-4", "Z"), thickness=0.9, ends=ends), order=6)
+    resolution = Resolution(order=6, edge_layers=1)
+    walls = end_walls(depth, FREQUENCY, stator, resolution, width=0.2)
+    layers = resolution.edge_layers if ends == "clamped" else 0
+    widths = graded(0.2, layers, largest=0.1, ratio=CORNER_RATIO)
+    lines = np.arange(2 * depth.size).reshape(2, -1)
+    held = depth.mechanical if ends == "clamped" else []
+    for wall, near, order in zip(walls, (1, 0), (widths[::-1], widths), strict=True):
+        columns = [condensed(depth, FREQUENCY, width=each, electrode=None) for each in order]
+        alone, _ = closed(reduce(joined, columns), lines[near], np.delete(lines[1 - near], held))
+        np.testing.assert_allclose(wall.matrix, alone.matrix, rtol=0, atol=1e-11 * abs(alone.matrix).max())
+        line = np.linspace(1.0, 2.0, depth.size)
+        motion, expected = (each.recover(line).motion(np.array([0.05, 0.1])) for each in (wall, alone))
+        np.testing.assert_allclose(motion, expected, rtol=0, atol=1e-9 * abs(expected).max())
 
 
 @pytest.mark.parametrize("end", ["absorbing", "clampd", "grounded"])
