@@ -57,6 +57,9 @@ def call(arguments: argparse.Namespace) -> int:
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
+    out = results_folder(arguments, f"{name}-export-{arguments.format}")
+    origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
+    alone = named and names_file(out, arguments, scene)
     with Progress():
         contents, seconds = expected_export(arguments, scene, tolerance=tolerance)
     if arguments.explain:
@@ -65,9 +68,6 @@ def call(arguments: argparse.Namespace) -> int:
         print(explained_export(arguments.format, contents, seconds))
         return 0
     say(long_wait(seconds))
-    out = results_folder(arguments, f"{name}-export-{arguments.format}")
-    origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
-    alone = named and names_file(out, arguments, scene)
     target = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
     with target as result, Progress(seconds):
         done = exported(arguments, scene, name, tolerance=tolerance)
