@@ -1,6 +1,6 @@
 """The stator against its peers, error and time: prints its tables; with --reference, NGSolve's finest answer.
 
-    python tests/benchmarks/stator_peers.py [--ends free|absorbing] [--curves NAME ...] [--reference]
+    python -m tests.benchmarks.stator_peers [--ends free|absorbing] [--curves NAME ...] [--reference]
 
 Every contender runs alone in its process, one thread; times are CPU seconds
 of one more frequency after set-up.  Errors of admittance and u_z at x = 80 mm, complex, against a reference that no
