@@ -2,7 +2,7 @@
 
 Each scene is run at its tolerance and again with a section good to 2e-4 and three times as many lateral
 wavenumbers; the difference of every velocity, over its reference speed, is compared with the error that the first run
-states.  ``python tests/benchmarks/beam_error.py [SCENES] [SEED]``: about 5 CPU s for each scene.
+states.  ``python -m tests.benchmarks.beam_error [SCENES] [SEED]``: about 5 CPU s for each scene.
 """
 
 import sys

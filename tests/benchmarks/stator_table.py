@@ -1,6 +1,6 @@
 """What the stator must show: prints the whole table of figures, measured, pass or short.
 
-    python tests/benchmarks/stator_table.py [--quick]
+    python -m tests.benchmarks.stator_table [--quick]
 
 Both columns of a comparison come from this one run, the pairs one after the other; times are medians, one thread, CPU
 seconds (wall time where processes or threads are started).  The contenders against NGSolve are those of
