@@ -89,7 +89,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         wanted += "lateral_velocity_m_per_s, yaw_rate_rad_per_s or rotation_rpm, voltage_V with normal_amplitude_m, "
         wanted += "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
         plain = any(sign in name for name in table.names for sign in "[( ")
-        hint = ": a head is a name and its unit, such as x_mm, u_z_real_pm or Velocity (mm/s)" if plain else ""
+        hint = ": a head is a name and its unit, such as x_mm, u_z_real_pm or Velocity [mm/s]" if plain else ""
         raise table.lacking(wanted, hint)
     nouns = {
         "amplitude": (("normal_amplitude_standard_deviation",), DISPLACEMENTS),
