@@ -18,7 +18,7 @@ def bytes_of(root) -> int:
     total, waiting = 0, [root]
     while waiting:
         each = waiting.pop()
-        if id(each) in seen or isinstance(each, type | ModuleType | BuiltinFunctionType):
+        if id(each) in seen or isinstance(each, type | ModuleType | BuiltinFunctionType | np.ufunc):
             continue
         seen.add(id(each))
         if isinstance(each, FunctionType):
