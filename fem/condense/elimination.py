@@ -5,9 +5,8 @@ import numpy as np
 from fem.exceptions import ConvergenceError
 
 MAX_AMPLIFICATION = 1e9  # of the field inside a piece over that at its sides: seven digits are left
-SMALLEST_BLOCK = (
-    64  # columns of `symmetric_product` that are multiplied whole; 32 and 128 take the same time within 5 %
-)
+# Columns of `symmetric_product` that are multiplied whole; 32 and 128 take the same time within 5 %
+SMALLEST_BLOCK = 64
 
 
 def schur(matrix, keep, drop):

@@ -134,19 +134,21 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
 
 def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return the export of a call without writing it; SceneError for options that the format does not take."""
-    keys = checked(arguments)
-    options: dict[str, Any] = {key: value for key in keys if (value := getattr(arguments, key)) not in (None, [])}
-    if arguments.format in RECORDED:
-        options = {"recording": recording_of(options)}
+    options = {"recording": recording_of(arguments)} if arguments.format in RECORDED else given_options(arguments)
     module = import_module(f"studies.export.{FORMATS[arguments.format][1]}")
     return getattr(module, f"{arguments.format}_files")(scene, name, tolerance=tolerance, **options)
 
 
-def recording_of(options: dict):
-    """Return what an instrument records, from the options of its format."""
+def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of a call that its format takes and that are given, by key."""
+    return {key: value for key in checked(arguments) if (value := getattr(arguments, key)) not in (None, [])}
+
+
+def recording_of(arguments: argparse.Namespace):
+    """Return what an instrument records."""
     from studies.export import instruments  # with SciPy's integration: a mask needs neither
 
-    return instruments.Recording(**options)
+    return instruments.Recording(**given_options(arguments))
 
 
 def expected_export(arguments: argparse.Namespace, scene: Scene, *, tolerance: float) -> tuple[str, float]:
@@ -162,8 +164,7 @@ def expected_export(arguments: argparse.Namespace, scene: Scene, *, tolerance: f
     if file_format == "touchstone" or arguments.scan == "frequency":
         from studies.export import instruments
 
-        keys = {key: value for key in checked(arguments) if (value := getattr(arguments, key)) not in (None, [])}
-        seconds = instruments.expected_seconds(scene, recording_of(keys), tolerance)
+        seconds = instruments.expected_seconds(scene, recording_of(arguments), tolerance)
         return "admittances, or motions, over a band of frequencies", seconds
     return "motion at the surface: the stator is solved once", field_seconds(scene, tolerance=tolerance)
 

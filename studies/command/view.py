@@ -53,6 +53,6 @@ def call(arguments: argparse.Namespace) -> int:
         print(explained_view(record, shown, tuple(wanted.files.values())))
         return 0
     with Progress(field_seconds(record.scene, tolerance=record.tolerance)):
-        show(arguments.run, wanted, note=lambda text: say([text]))
+        show(record, wanted, note=lambda text: say([text]))
     print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0

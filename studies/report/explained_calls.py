@@ -24,9 +24,8 @@ from studies.report.explanation import (
 from studies.scene import Scene
 
 EXPECTED = "expected time"
-DATASHEET_RUNS = (
-    3  # time of a datasheet over the expected one of a run; CPU seconds of 10 MHz motors on 128YX: 26 over 6
-)
+# Time of a datasheet over the expected one of a run; CPU seconds of a 10 MHz motor on 128YX: 26 over 6
+DATASHEET_RUNS = 3
 FIRST_SCENE = 8.0  # s: half-space, search, and the stator once
 DRAWING = 3.0  # s: a picture or a page, with the imports that it needs
 TABLES = 15.0  # s: mean forces of a motor for simulators

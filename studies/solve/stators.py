@@ -257,8 +257,9 @@ class Stators:
 
     def _in_band(self, stator: Model, positions: Any) -> bool:
         """Return whether a stator is solved as one of a band of frequencies."""
-        given = stator, positions
-        return bool(self.limits) and self._solved_in_bands(*given, slider=self.slider, frequencies=self.frequencies)
+        if not self.limits:
+            return False
+        return self._solved_in_bands(stator, positions, slider=self.slider, frequencies=self.frequencies)
 
 
 def _motion_bands(

@@ -39,13 +39,13 @@ FRAMES, RATE = 24, 16.0  # pictures of a movie, which shows one period of the wa
 INSTANTS = 12  # instants of a .pvd file
 
 
-def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = warnings.warn) -> None:
+def view(run: str | Path | Record, wanted: Wanted, *, note: Callable[[str], None] = warnings.warn) -> None:
     """Show a run.
 
     Parameters
     ----------
-    folder : str or Path
-        Directory written by ``sawmotor run``.
+    run : str, Path or Record
+        Directory written by ``sawmotor run``, or its record.
     wanted : Wanted
     note : callable, optional
         Function that receives remarks for the user: why there is no field, or how large a file will be.
@@ -57,7 +57,7 @@ def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = wa
     RunError
         If something is missing on this machine.
     """
-    record = saved_run(folder)
+    record = run if isinstance(run, Record) else saved_run(run)
     show = wanted.show or ("field" if record.scene.stator is not None else "contact")
     wanted.check(show)
     quantity(wanted.quantity)

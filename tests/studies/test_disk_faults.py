@@ -101,6 +101,15 @@ def refuse_mixture(folder):
         assert not missing
 
 
+def told(status, said, reason, k) -> bool:
+    """Return whether a call whose operation k fails has failed, which it must say in one sentence."""
+    if status:
+        assert status in (2, 3), (k, said)
+        assert len(said) == 1, (k, said)
+        assert reason in said[0], (k, said)
+    return bool(status)
+
+
 FAULTS = {
     "full": (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), os.strerror(errno.ENOSPC)),
     "broken": (OSError(errno.EIO, os.strerror(errno.EIO)), os.strerror(errno.EIO)),
@@ -132,11 +141,7 @@ def test_no_failing_operation_of_a_run_loses_anything(error, reason, tmp_path, m
         assert (folder / "note.txt").read_text() == NOTE
         assert FORMER in [each.read_text() for each in folder.glob("profile*.csv")]
         refuse_mixture(folder)
-        if status:
-            failed += 1
-            assert status in (2, 3), (k, said)
-            assert len(said) == 1, (k, said)
-            assert reason in said[0], (k, said)
+        failed += told(status, said, reason, k)
         assert main(changed) == 0, k
         assert (folder / "note.txt").read_text() == NOTE
         assert FORMER in [each.read_text() for each in folder.glob("profile*.csv")]
@@ -173,16 +178,8 @@ def test_no_failing_operation_of_a_fit_loses_anything(error, reason, tmp_path, m
     """The former fit, and what the user put beside it, stay as they are, or the new fit is there as a whole."""
     data, former, folder = tmp_path / "lab.csv", tmp_path / "former", tmp_path / "fit"
     data.write_text("normal_amplitude_m,velocity_m_per_s\n5e-9,0.022\n1e-8,0.06\n2e-8,0.14\n")
-    words = [
-        "fit",
-        "twente-contact",
-        "--data",
-        str(data),
-        "--free",
-        "slider.friction_coefficient=0.02:0.3",
-        "--no-next",
-    ]
-    words += ["--no-plot", "--out", str(folder)]
+    words = ["fit", "twente-contact", "--data", str(data), "--free", "slider.friction_coefficient=0.02:0.3"]
+    words += ["--no-next", "--no-plot", "--out", str(folder)]
     found = []
     fitted = studies.inverse.fit
     monkeypatch.setattr("studies.inverse.fit", lambda *of, **to: found.append(fitted(*of, **to)) or found[-1])
@@ -204,11 +201,7 @@ def test_no_failing_operation_of_a_fit_loses_anything(error, reason, tmp_path, m
         kept = written(folder)
         assert (folder / "note.txt").read_text() == NOTE
         assert all(kept.get(name) == content for name, content in before.items() if name != MANIFEST), k
-        if status:
-            failed += 1
-            assert status in (2, 3), (k, said)
-            assert len(said) == 1, (k, said)
-            assert reason in said[0], (k, said)
+        failed += told(status, said, reason, k)
         assert main(words) == 0, k
         assert json.loads((folder / "fit.json").read_text())["parameters"]
         capsys.readouterr()
