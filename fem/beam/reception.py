@@ -192,9 +192,9 @@ class OwnApertures:
     """Coupling of a transducer's fingers by `finger_coupling`, interpolated in frequency if there is a band.
 
     The modes of the full section are used, because those of a band's reduced basis do not resolve the near field.  In a
-    band the coupling is that of the reduced modes at each frequency plus the difference of both, which is interpolated.
-    The difference has neither propagating modes nor those near their cut-off, where k changes as the square root of the
-    frequency and no polynomial follows.
+    band the coupling is that by the reduced modes at each frequency plus the interpolated difference between that by
+    the full modes and that by the reduced ones.  The difference has neither propagating modes nor those near their
+    cut-off, where k changes as the square root of the frequency and no polynomial follows.
     """
 
     def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None, *, plane: bool = False):

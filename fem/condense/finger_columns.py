@@ -247,8 +247,8 @@ def distinct_columns(
     """Distinct columns of a piece: column, left edges (occurrences,), sides (2 n + 2, ..., occurrences).
 
     Edges are measured from the piece's left line, in length units.  ``sides``: shape (2 n + 2, ...); in the returned
-    ones a finger is always on electrode 0.  Parts of width ``finest`` or less are returned whole; if they
-    have reduced lines, and their reactions are known, as they are.
+    ones a finger is always on electrode 0.  Parts of width ``finest`` or less are returned whole, and
+    on their reduced lines if their reactions there are known.
     """
     level, columns = _Occurrences(), _Occurrences()
     level.add(piece, np.zeros(1), sides[..., None])

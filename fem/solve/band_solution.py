@@ -481,7 +481,10 @@ def resonant_amplification(solution: Solution, limits: tuple[float, float]) -> t
 
 
 def reduction_growth(here: float, worst: float) -> float:
-    """Factor from a difference of a reduced model, where resonances amplify by ``here``, to its error by ``worst``."""
+    """Factor from the difference of reduced and full model at a frequency to the error of the reduced one in a band.
+
+    ``here``, ``worst``: how much resonances amplify at that frequency, and at most in the band.
+    """
     return worst / min(here, worst / REDUCTION_SAFETY)
 
 
@@ -514,18 +517,19 @@ def reduced_model(
         too_large = errors > allowed
         *_, before, last_but_one = np.full(2, np.inf), np.full(2, np.inf), *reached
         stagnant = np.minimum(errors, last_but_one) > (1 - GAIN_OF_STEP) * before
-        # a wave that the section has not comes and goes with the number of fields: it does not stagnate
+        # the error by a spurious mode does not stagnate: the mode comes and goes with the number of fields
         if last or (stagnant[too_large].all() and sent <= allowed[0]):
             return model, max(float(errors[0]), sent), float(errors[1])
         reached.append(errors)
 
 
 def sent_wave_error(model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float) -> float:
-    """Largest relative error of what a unit charge on each finger "+", and -1 on "-", sends to the positions.
+    """Largest relative error of the motion at the positions by line charges, 1 on fingers "+" and -1 on fingers "-".
 
-    The charges lie on the bare surface, along a line in the middle of each finger.  The plane section's motion does not
-    show this error: there the modes of reduced lines meet charges of the same lines.  In a beam each charge sends them
-    at any angle, and their shapes err more than their wavenumbers; some modes are none of the section.
+    The charges lie on the bare surface in the middle of each finger.  The section's own motion does not show this
+    error, because charges and modes are there those of the same reduced lines.  In a beam each charge sends the modes
+    at any angle, so that their shapes count, which err more than their wavenumbers, and spurious modes of the reduced
+    lines, which the section does not have.
     """
     errors = [0.0]
     for each in checks:
