@@ -9,6 +9,7 @@ from studies.progress import Progress
 from studies.scene import Scene
 
 HELP = "check the text, material and layout of a scene without running it"
+EXAMPLE = "sawmotor check twente --set slider.mass=1e-4"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,6 +6,7 @@ from studies.command.options import add_shared
 from studies.command.output import print_answer
 
 HELP = "show what differs in the scenes and the answers of several runs"
+EXAMPLE = "sawmotor compare results/twente results/light --picture both.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

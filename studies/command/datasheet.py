@@ -8,6 +8,7 @@ from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
 HELP = "compute the datasheet of a motor: one page with speed, force, steps, power and limits"
+EXAMPLE = "sawmotor datasheet twente --out results/sheet"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

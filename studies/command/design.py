@@ -9,6 +9,7 @@ from studies.progress import Progress
 from studies.scene import scene_path
 
 HELP = "search for the best motor within ranges; an interrupted search can be continued"
+EXAMPLE = 'sawmotor design twente-contact --maximise velocity --over "slider.preload=1 mN:9 mN"'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -17,6 +17,7 @@ from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
 HELP = "export a run or a scene: a motor for simulators, a mask, or what laboratory instruments would record"
+EXAMPLE = "sawmotor export twente --format gds --out mask.gds"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,6 +10,7 @@ from studies.progress import Progress
 from studies.refusal import all_answers
 
 HELP = "fit numbers of a scene to measured curves, and report which of them the data determine"
+EXAMPLE = "sawmotor fit twente --data measured.csv --free slider.friction_coefficient=0.02:0.3"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,7 @@ from importlib.resources import files
 from studies.refusal import SceneError, resembling
 
 HELP = "explain a term of the output, or list the terms that are explained"
+EXAMPLE = "sawmotor help stick margin"
 ENTRY = re.compile(r"^- \*\*(?P<word>[^*]+)\*\*: (?P<text>.*?)(?=^- \*\*|\Z)", re.MULTILINE | re.DOTALL)
 
 
@@ -41,10 +42,10 @@ def meaning(word: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("word", nargs="?", metavar="WORD", help='such as ledger, or "stick margin"')
+    parser.add_argument("word", nargs="*", metavar="WORD", help="such as ledger, or stick margin")
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Print what a word of the output means, or the list of the words."""
-    print(", ".join(entries()) if arguments.word is None else meaning(arguments.word))
+    print(meaning(" ".join(arguments.word)) if arguments.word else ", ".join(entries()))
     return 0

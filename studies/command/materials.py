@@ -5,6 +5,7 @@ import argparse
 from studies.command.output import print_answer, warn
 
 HELP = "list the catalogue of materials, or show one or a file of constants"
+EXAMPLE = "sawmotor materials PZT-8 --copy my-ceramic.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,6 +9,7 @@ from studies.progress import Progress
 from studies.refusal import refuse_unwritable, writing
 
 HELP = "write a first scene of a motor for a frequency and a material, each line with its rule"
+EXAMPLE = 'sawmotor new --frequency "10 MHz" --material 128YX --out my-motor.toml'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

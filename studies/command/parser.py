@@ -56,12 +56,15 @@ class Call(argparse.ArgumentParser):
     """A parser whose errors are one sentence without usage text."""
 
     calls: Mapping[str, "Call"] = {}  # of the commands
+    example = ""  # a call of the command
 
     def error(self, message: str):
         """Raise a SceneError instead of printing the usage and exiting."""
         invalid = INVALID_CHOICE.search(message)
         if invalid is not None:
             message += resembling(invalid[1], re.findall(r"[\w.-]+", invalid[2]))
+        if self.example and "did you mean" not in message:
+            message += f"; an example: {self.example}"
         raise SceneError("", f"{message} (see {self.prog} --help)")
 
     def parse_args(self, words=None, namespace=None):  # type: ignore[override]
@@ -106,7 +109,9 @@ def parser(wanted: str | None = None) -> Call:
             continue
         command = import_module(f"studies.command.{name}")
         description = f"{command.HELP[0].upper()}{command.HELP[1:]}."
-        own = calls.add_parser(name, help=command.HELP, description=description, allow_abbrev=False)
+        epilog = f"Example: {command.EXAMPLE}"
+        own = calls.add_parser(name, help=command.HELP, description=description, epilog=epilog, allow_abbrev=False)
+        own.example = command.EXAMPLE
         command.add_arguments(own)
         own.set_defaults(function=command.call)
     top.calls = calls.choices

@@ -14,6 +14,7 @@ from studies.refusal import needed, refuse_if
 LOGGER = logging.getLogger(__name__)
 
 HELP = "compute a scene, up to the slider's velocity at each voltage"
+EXAMPLE = "sawmotor run twente --voltage 20,40 --set slider.mass=1e-4 --out results/light"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

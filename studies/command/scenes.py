@@ -6,6 +6,7 @@ from pathlib import Path
 from studies.scene import Scene, shipped_scenes
 
 HELP = "list the scenes that come with the program, or copy one to start from"
+EXAMPLE = "sawmotor scenes --copy lithium-niobate-yz my-motor.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import argparse
 
 HELP = "print the JSON Schema of scene files, for completion and checks in an editor"
+EXAMPLE = "sawmotor schema > scene.schema.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -11,6 +11,7 @@ from studies.scene import read_table
 from studies.scene.override import read_axes
 
 HELP = "run a study, or list the studies"
+EXAMPLE = "sawmotor study regime_map twente-contact"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

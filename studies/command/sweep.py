@@ -15,6 +15,7 @@ from studies.scene import scene_path
 from studies.scene.override import read_axes
 
 HELP = "compute many points of one scene, in this process, in several, or on a Dask cluster"
+EXAMPLE = 'sawmotor sweep twente --voltage 20 --over "slider.preload=1 mN:4 mN:4"'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,7 @@ from studies.command.output import say
 from studies.progress import Progress
 
 HELP = "show the wave field of a run: in a window, or as a picture, movie, page or data file"
+EXAMPLE = "sawmotor view results/twente --screenshot wave.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import argparse
 
 import fem
+from studies.command.options import add_shared
 from studies.command.output import print_answer
 from studies.refusal import refuse_if
 from studies.scene.override import toml_value
@@ -10,6 +11,7 @@ from studies.scene.rule import choice
 from studies.scene.stator_keys import ORIENTATION, TEMPERATURE
 
 HELP = "compute the Rayleigh wave of a half-space, bare or under layers, without a mesh and without loss"
+EXAMPLE = 'sawmotor wave "LiNbO3 (Kovacs)" 128YX --temperature 20:80:7'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="the answer as JSON")
     parser.add_argument("--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file")
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -49,8 +52,17 @@ def call(arguments: argparse.Namespace) -> int:
     if not isinstance(orientation, str):
         convention = choice(*fem.CONVENTIONS).read("--euler-convention", convention)
         orientation = fem.euler_angles(orientation, convention)
-    if arguments.temperature is not None:
-        return _warm(arguments, orientation)
+    for name in ("layer", "plot") if arguments.temperature is not None else ():
+        refuse_if(getattr(arguments, name), f"--{name}", "must be absent with --temperature, which is of one solid")
+    refuse_if(
+        arguments.layer and arguments.plot is not None,
+        "--plot", "must be absent with --layer: it draws the crystal axes of one solid",
+    )  # fmt: skip
+    temperatures = None if arguments.temperature is None else _temperatures(arguments.temperature)
+    if arguments.explain:
+        return _explain(arguments, temperatures)
+    if temperatures is not None:
+        return _warm(arguments, orientation, temperatures)
     if arguments.layer:
         return _layered(arguments, orientation)
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
@@ -62,16 +74,35 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _warm(arguments: argparse.Namespace, orientation) -> int:
-    """Print the wave at several temperatures."""
-    from studies.report.warm_surface import warm_answer, warm_half_space
+def _temperatures(text: str) -> tuple[float, ...]:
+    """Return the temperatures in degC that a range or a list with commas names."""
     from studies.scene.numbers import Listed
 
-    for name in ("layer", "plot"):
-        refuse_if(getattr(arguments, name), f"--{name}", "must be absent with --temperature, which is of one solid")
-    text = arguments.temperature
     wanted = text if ":" in text else [toml_value(each) for each in text.split(",")]
-    temperatures = Listed(TEMPERATURE, ranged=True).read("--temperature", wanted)
+    return Listed(TEMPERATURE, ranged=True).read("--temperature", wanted)
+
+
+def _explain(arguments: argparse.Namespace, temperatures: tuple[float, ...] | None) -> int:
+    """Print what would be computed; refuse an unknown material and layers that are none."""
+    from studies.model.scene_errors import input_errors
+    from studies.model.solid_of_material import named_solid
+    from studies.report.explained_calls import explained_wave
+    from studies.report.layered_surface import read_layer
+
+    with input_errors():
+        named_solid(arguments.material)
+    for text in arguments.layer:
+        read_layer(text)
+    number = 0 if temperatures is None else len(temperatures)
+    picture = arguments.plot is not None
+    print(explained_wave(arguments.material, layers=arguments.layer, temperatures=number, picture=picture))
+    return 0
+
+
+def _warm(arguments: argparse.Namespace, orientation, temperatures: tuple[float, ...]) -> int:
+    """Print the wave at several temperatures."""
+    from studies.report.warm_surface import warm_answer, warm_half_space
+
     answer = warm_half_space(arguments.material, temperatures, orientation=orientation, surface=arguments.surface)
     print_answer(arguments, answer, warm_answer(answer))
     return 0
@@ -82,9 +113,6 @@ def _layered(arguments: argparse.Namespace, orientation) -> int:
     from studies.report.layered_surface import layered_answer, layered_surface_wave
     from studies.scene.quantity import si_value
 
-    refuse_if(
-        arguments.plot is not None, "--plot", "must be absent with --layer: it draws the crystal axes of one solid"
-    )
     frequency = None
     if arguments.frequency is not None:
         frequency = si_value("--frequency", toml_value(arguments.frequency), "Hz")

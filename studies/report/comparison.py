@@ -16,7 +16,7 @@ from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
 from studies.record.values import as_array
 from studies.refusal import SceneError, refuse_ending, refuse_if, writing
-from studies.scene.keys import rule_at, unit_of
+from studies.scene.keys import rule_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -205,10 +205,12 @@ def compare(*runs: Record | str | Path) -> Comparison:
     """
     refuse_if(len(runs) < 2, "compare", f"needs at least two runs, got {len(runs)}")
     records = tuple(each if isinstance(each, Record) else Record.load(each) for each in runs)
-    levels = list(dict.fromkeys(record.level if record.points else "" for record in records))
-    kinds = " and ".join(quantity(each).head if each else "no slider" for each in levels)
-    refuse_if(len(levels) > 1, "compare", f"needs runs of one kind, got runs over {kinds}")
-    return Comparison(names=_names(runs), records=records)
+    names = _names(runs)
+    levels = [record.level if record.points else "" for record in records]
+    kinds = [f"over {quantity(each).head}" if each else "without a slider" for each in levels]
+    found = ", ".join(f"{name} {kind}" for name, kind in zip(names, kinds, strict=True))
+    refuse_if(len(set(levels)) > 1, "compare", f"needs runs over the same level, got {found}")
+    return Comparison(names=names, records=records)
 
 
 def _names(runs: Sequence) -> tuple[str, ...]:
@@ -301,12 +303,12 @@ def _percent(value: float | None, sign: str = "") -> str:
 def _scene_row(key: str, values: list) -> list[str]:
     """Return a key of the scenes with its unit, and its values in this unit as text."""
     try:
-        unit = unit_of(rule_at(key))
+        unit = rule_at(key).unit
     except SceneError:
-        unit = None  # a number of a table that a scene holds, such as a material
-    largest = max((abs(each) for value in values for each in _numbers(value)), default=0.0)
-    factor, shown = scaled_unit(largest, unit)
-    return [f"{key} ({shown})" if shown else key, *(_shown(value, factor) for value in values)]
+        unit = ""  # a number of a table that a scene holds, such as a material
+    largest = max((abs(each) for value in values for each in _numbers(value)), default=None)
+    factor, shown = (1.0, "") if largest is None else scaled_unit(largest, unit)
+    return [f"{key} ({shown})" if shown else key, *(_shown(value, factor, shown) for value in values)]
 
 
 def _numbers(value) -> Iterator[float]:
@@ -318,15 +320,20 @@ def _numbers(value) -> Iterator[float]:
         yield value
 
 
-def _shown(value, factor: float) -> str:
-    """Return a value of a scene as text, a long list by its ends."""
+def _shown(value, factor: float, unit: str) -> str:
+    """Return a value of a scene as text, a long list by its ends, a number without the unit of the others as such."""
     if value is None:
         return MISSING
     if isinstance(value, list):
         if len(value) > 3:
-            return f"{_shown(value[0], factor)} ... {_shown(value[-1], factor)} ({len(value)})"
-        return ", ".join(_shown(each, factor) for each in value)
-    return f"{value * factor:.6g}" if isinstance(value, float) else str(value)
+            return f"{_shown(value[0], factor, unit)} ... {_shown(value[-1], factor, unit)} ({len(value)})"
+        shown = [_shown(each, factor, unit) for each in value]
+        return ", ".join(
+            f"[{text}]" if isinstance(each, list) else text for each, text in zip(value, shown, strict=True)
+        )
+    if isinstance(value, float):
+        return f"{value * factor:.6g}"
+    return f"{value} (number)" if unit and type(value) is int else str(value)
 
 
 def _number(known: Quantity, value) -> str:

@@ -29,6 +29,8 @@ DATASHEET_RUNS = 3
 FIRST_SCENE = 8.0  # s: half-space, search, and the stator once
 DRAWING = 3.0  # s: a picture or a page, with the imports that it needs
 TABLES = 15.0  # s: mean forces of a motor for simulators
+# s: a half-space with the imports that it needs, the bound waves of layers, and one of several temperatures
+HALF_SPACE, LAYERED, TEMPERATURE = 0.4, 0.7, 0.02
 
 
 def explained_sweep(design, scene: Scene, *, tolerance: float) -> str:
@@ -96,6 +98,16 @@ def explained_first_scene(frequency: str, material: str) -> str:
         _time(FIRST_SCENE, "in all"),
     ]
     return _nothing("new", entries)
+
+
+def explained_wave(material: str, *, layers: Sequence[str] = (), temperatures: int = 0, picture: bool = False) -> str:
+    """Return what ``sawmotor wave`` does; ``temperatures``: number of them, 0 for the constants as they are."""
+    entries = [("half-space", f"{material}, without a mesh and without loss")]
+    entries += [("layers", "; ".join(layers))] if layers else []
+    entries += [("temperatures", f"{temperatures}, a wave and its derivatives at each")] if temperatures else []
+    entries += [("picture", "the crystal axes")] if picture else []
+    seconds = (LAYERED if layers else HALF_SPACE) + TEMPERATURE * temperatures + DRAWING * picture
+    return _nothing("wave", [*entries, _time(seconds, "in all")])
 
 
 def explained_comparison(runs: Sequence[str]) -> str:

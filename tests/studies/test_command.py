@@ -3,13 +3,15 @@
 import builtins
 import io
 import json
+import shlex
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
 from studies.__main__ import main
-from studies.command.parser import COMMANDS
+from studies.command.parser import COMMANDS, parser
 from studies.command.scene_argument import read_tolerance
 from studies.record import Record
 from studies.refusal import SceneError
@@ -247,7 +249,7 @@ def test_what_a_python_function_refuses_is_said_of_the_option(call, words, sente
         (["design", "twente", "--maximize", "velocity"], "--maximize velocity; did you mean --maximise? (see"),
         (["study", "stability", "--quik"], "--quik; did you mean --quick? (see sawmotor study --help)"),
         (["run", "twente", "--otu=x"], "--otu=x; did you mean --out? (see sawmotor run --help)"),
-        (["check", "twente", "--frobnicate"], "arguments: --frobnicate (see sawmotor check --help)"),
+        (["check", "twente", "--frobnicate"], "arguments: --frobnicate; an example: sawmotor check twente --set"),
         (["stduy"], "'view'); did you mean study? (see sawmotor --help)"),
     ],
 )
@@ -255,6 +257,26 @@ def test_an_unknown_option_is_answered_with_the_nearest(call, words, sentence):
     status, out, err = call(*words)
     assert (status, out) == (2, "")
     assert sentence in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["new", "my.toml"], ["new", "my.toml", "--frequency", "1 MHz", "--material", "PZT-8"], ["scenes", "twente"],
+     ["schema", "my.json"], ["run", "twente", "twente-left"], ["view"], ["compare"]],
+)  # fmt: skip
+def test_words_too_many_and_too_few_are_answered_with_an_example(call, words):
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    example = import_module(f"studies.command.{words[0]}").EXAMPLE
+    assert err.endswith(f"; an example: {example} (see sawmotor {words[0]} --help)\n")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_example_of_a_command_is_a_call_of_it(name):
+    program, *words = shlex.split(import_module(f"studies.command.{name}").EXAMPLE.partition(" > ")[0])
+    assert (program, words[0]) == ("sawmotor", name)
+    arguments = parser().parse_args(words)
+    assert arguments.call == name
 
 
 @pytest.mark.parametrize(("text", "value"), [("5%", 0.05), ("0.5 %", 0.005), ("1e-3", 1e-3), (None, 1e-3)])

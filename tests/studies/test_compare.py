@@ -2,11 +2,13 @@
 
 import json
 import math
+import re
 
 import pytest
 
 from studies import RunError, Scene, SceneError, compare, run
 from studies.__main__ import main
+from studies.record import Record
 
 LEVELS = ["0.5 nm", "0.9 nm", "10 nm"]
 
@@ -57,7 +59,6 @@ def test_velocities_and_their_changes_by_hand(records):
 
 def test_rotors_are_compared_by_their_rotation_and_the_plane_by_both_velocities():
     """A rotor's velocities, all 0, were compared. Errors in the plane are over the speed."""
-    from studies.record import Record
     from studies.record.point import Point
 
     def of(name, **values):
@@ -77,6 +78,24 @@ def test_rotors_are_compared_by_their_rotation_and_the_plane_by_both_velocities(
     assert whole["points"][0]["error"] == pytest.approx([5e-5, 5e-5])
     assert whole["lateral_velocity_m_per_s"][0]["change"] == pytest.approx([-2.0])
     assert whole["rotation_rpm"][0]["error"] == pytest.approx([5e-5 / 5.309e-3 * 60 / (2 * math.pi)] * 2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "row"),
+    [
+        (["-1 mm", "1.5 mm"], ["-2 mm", "2 mm"], ["slider.contacts (mm)", "-1, 1.5", "-2, 2"]),
+        ([["1 mm", "2 mm"], [0, 0]], ["-2 um"], ["slider.contacts (mm)", "[1, 2], 0", "-0.002"]),
+        (["-1 mm", "1 mm"], 4, ["slider.contacts (mm)", "-1, 1", "4 (number)"]),
+        (2, 4, ["slider.contacts", "2", "4"]),
+    ],
+)
+def test_positions_of_balls_have_a_unit_and_their_mere_number_has_none(one, other, row):
+    from studies.report.comparison import Comparison
+
+    scenes = [Scene.load("twente").replace(slider={"contacts": each}) for each in (one, other)]
+    records = tuple(Record(scene=each, tolerance=1e-3, points=(), seconds={"total": 1.0}) for each in scenes)
+    line = str(Comparison(names=("1", "2"), records=records)).splitlines()[2]
+    assert re.split(r"\s{2,}", line.strip()) == row
 
 
 def test_order_of_the_runs_is_kept(records):
@@ -130,7 +149,7 @@ def test_refusals(records, folders, tmp_path, capsys):
         compare(records[0])
     with pytest.raises(RunError, match="holds no run"):
         compare(records[0], tmp_path)
-    with pytest.raises(SceneError, match="compare needs runs of one kind, got runs over u_z and no slider"):
+    with pytest.raises(SceneError, match="compare needs runs over the same level, got 1 over u_z, 2 without a slider"):
         compare(records[0], run("rayleigh"))
     assert main(["compare", folders[0], str(tmp_path)]) == 2
     assert capsys.readouterr().err == (f"sawmotor: '{tmp_path}' holds no run.json: name a directory that a run left\n")

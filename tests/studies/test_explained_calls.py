@@ -15,7 +15,7 @@ def said(monkeypatch, capsys, tmp_path):
     def computed(*_, **__):
         pytest.fail("something was computed")
 
-    for solver in ("fem.driven_wave", "fem.frequency_band", "contact.steady"):
+    for solver in ("fem.rayleigh", "fem.layered_waves", "fem.driven_wave", "fem.frequency_band", "contact.steady"):
         monkeypatch.setattr(solver, computed)
 
     def call(*words):
@@ -77,6 +77,10 @@ def run_folder(tmp_path):
         (("check", "twente", "--set", "transducer.0.period=auto"), {"searches": "1, for the period"}),
         (("new", "--frequency", "2.2 MHz", "--material", "PZT-8"), {"sizes": "a motor of 2.2 MHz on PZT-8"}),
         (("compare", "RUN", "RUN"), {"solves": "nothing"}),
+        (("wave", "LiNbO3", "128YX"), {"half-space": "LiNbO3, without a mesh"}),
+        (("wave", "LiNbO3", "128YX", "--temperature", "20:80:7"), {"temperatures": "7, a wave"}),
+        (("wave", "Si", "--layer", "SiO2, 1 um", "--layer", "AlN, 0.2 lambda"), {"layers": "SiO2, 1 um; AlN"}),
+        (("wave", "PZT-8", "--plot", "axes.png"), {"picture": "the crystal axes"}),
         (
             ("view", "RUN", "--screenshot", "wave.png"),
             {"shows": "field", "stator": "solved again", "files": "wave.png"},
@@ -103,6 +107,17 @@ def test_a_motor_for_simulators_takes_longer_than_a_scan_and_a_scan_longer_than_
     found = [entries(said("export", "twente", "--format", *words))["expected time"] for words in formats]
     times = [float(each.split()[0]) * (60.0 if each.split()[1] == "min" else 1.0) for each in found]
     assert times[0] > times[1] > times[2]
+
+
+def test_an_explained_wave_refuses_what_the_wave_would(capsys):
+    for words, rule in (
+        (("PZT-9",), "material must be in the catalogue"),
+        (("Si", "--layer", "SiO2"), "--layer must be"),
+        (("Si", "--temperature", "20:x:2"), "--temperature"),
+        (("Si", "--temperature", "20", "--plot", "x.png"), "--plot must be absent with --temperature"),
+    ):
+        assert main(["wave", *words, "--explain"]) == 2
+        assert rule in capsys.readouterr().err
 
 
 def test_datasheet_and_study_tell_their_contents(said):
