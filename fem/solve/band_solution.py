@@ -62,6 +62,7 @@ ESTIMATE_EXCESS = 2.0
 # on: 11 to 25 were seen (`fem.discretize.mesh_refinement.GAIN`).  Errors of bands: `tests/benchmarks/band_error.py`
 SEEN_SHARE, MAX_SEEN_GAIN = 0.5, 11.0
 MAX_ROUNDS = 3  # discretisations that are tried
+ROUNDING = 1e-12  # of sums of errors, over the tolerance
 
 
 @refuses(InputError)
@@ -349,7 +350,7 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     # an error of a piece's matrix acts through the waves that the piece sends back
     piece_error = max(1.0, worst / between.here) * model.piece_error
     # the bounds are lowered no further than the reduction's error requires: between the checks the error may be larger
-    limit = problem.tolerance - motion_error - piece_error
+    limit = remaining(problem.tolerance, motion_error, piece_error)
     seen, attainable = bounds_by_gain_seen(problem, checks, errors), limit * (MAX_SEEN_GAIN - 1) / (GAIN - 1)
     errors = sharpened(errors, limit, attainable, seen, least=limit)
     errors = sharpened(errors, limit, reach, known, least=limit)
@@ -360,6 +361,19 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
         admittance_error=level_admittance_error + admittance_error + piece_error,
     )
     return band, float(level_error)
+
+
+def remaining(tolerance: float, *errors: float) -> float:
+    """What errors leave of a tolerance, smaller by a little, so that its sum with them never exceeds the tolerance.
+
+    Without that, rounding would decide whether bounds that are lowered to this value meet the tolerance.
+
+    Examples
+    --------
+    >>> 1e-4 - 8.1e-6 + 8.1e-6 > 1e-4, remaining(1e-4, 8.1e-6) + 8.1e-6 > 1e-4
+    (True, False)
+    """
+    return tolerance * (1 - ROUNDING) - sum(errors)
 
 
 def level_differences(problem: BandProblem, check: "_Check", other: int) -> np.ndarray:

@@ -96,6 +96,16 @@ def test_bounds_are_lowered_at_the_worst_checks_alone_and_no_further_than_asked_
     np.testing.assert_array_equal(band_module.sharpened(bounds, 0.9, 8.0, lambda number: np.full(2, 9.0)), bounds)
 
 
+def test_bounds_lowered_to_what_is_left_meet_the_tolerance_whatever_the_rounding():
+    """A last digit too many has made a set-up three times as long, on one of two machines."""
+    draw = np.random.default_rng(0)
+    for tolerance in 10 ** draw.uniform(-6, -1, 300):
+        motion, piece = tolerance * draw.dirichlet((1.0, 1.0, 1.0))[:2]
+        left = band_module.remaining(tolerance, motion, piece)
+        assert left + motion + piece <= tolerance
+        assert left == pytest.approx(tolerance - motion - piece, abs=1e-11 * tolerance)
+
+
 @pytest.mark.parametrize(("seen", "counted"), [(50.0, 11.0), (18.0, 9.0), (12.0, 8.0)])
 def test_the_gain_of_the_levels_before_lowers_a_bound(monkeypatch, seen, counted):
     """Half of it, from the 8 that every level has to the 11 that any was seen to have; not above absorbing bottoms."""
