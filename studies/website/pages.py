@@ -21,11 +21,21 @@ CONFIGURATION = {
     "extensions": ["myst_nb"],
     "html_theme": "furo",
     "html_title": "sawmotor",
+    "html_show_copyright": False,
+    "html_static_path": ["_static"],
+    "html_css_files": ["wide.css"],
     # executed before: MyST-NB 1.4.0 breaks lines where pieces of output meet, within a number too
     "nb_execution_mode": "off",
     "myst_heading_anchors": 3,
     "suppress_warnings": ["myst.header", "misc.highlighting_failure"],
 }
+# lines of code have up to 120 characters, tables of velocities more, where Furo's column has 46 em; sentences are wrapped
+STYLE = """\
+.main { justify-content: flex-start; min-width: 0; }
+.content { flex: 1 1 46em; min-width: 0; max-width: 76em; }
+.sidebar-drawer { width: 17em; }
+div.output.stderr pre { white-space: pre-wrap; }
+"""
 SECTIONS = {"tutorial": "Tutorial", "gallery": "Gallery", "scenes": "Scenes", "examples": "Library examples"}
 
 
@@ -87,6 +97,8 @@ def build(out: Path, names: list[str] | None = None) -> Path:
             page = source / f"{name}.ipynb"
             page.parent.mkdir(parents=True, exist_ok=True)
             nbformat.write(_executed(name, notebook), page)
+        (source / "_static").mkdir()
+        (source / "_static" / "wide.css").write_text(STYLE, encoding="utf-8")
         (source / "index.md").write_text(_index(chosen), encoding="utf-8")
         try:
             app = Sphinx(source, None, out, Path(folder) / "doctrees", "html", CONFIGURATION, warningiserror=True)

@@ -1,6 +1,7 @@
 """The site and the notebooks made from the documents: cells, execution, what fails."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -175,6 +176,10 @@ def test_a_small_part_of_the_site_is_built(tmp_path):
     assert "sawmotor run rayleigh" in page
     assert "m/s" in page
     assert "examples/fem-half_space.html" in (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+    assert "Copyright" not in page
+    # lines of code of 120 characters and long warnings were cut in the theme's column
+    assert re.search(r'href="\.\./_static/wide\.css', page)
+    assert "max-width: 76em" in (tmp_path / "site" / "_static" / "wide.css").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
