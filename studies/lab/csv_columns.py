@@ -12,6 +12,8 @@ from studies.lab.csv_layout import cells_of, layout_of, with_points
 from studies.lab.input_file import InputFile, file_lines
 from studies.refusal import SceneError, shown
 
+VOLTAGES_READ = {"pp": "peak-to-peak voltages halved", "rms": "rms voltages as sqrt(2) times as large peak values"}
+
 
 def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> str:
     """Return columns by head as CSV, from which the same numbers are read, below lines of remarks.
@@ -74,6 +76,7 @@ class CsvColumns(InputFile):
         remarks = remarks if above else []
         changed = [f"{head!r} as {name}" for head, name in zip(heads, names, strict=True) if head != name]
         remarks += [f"columns read: {', '.join(changed)}"] if changed else []
+        remarks += [said for kind, said in VOLTAGES_READ.items() if any(name.endswith(f"V{kind}") for name in names)]
         remarks += ["decimal commas"] if values != rows[first:] else []
         return cls(
             path=path, option=option, names=names, rows=values, lines=numbers[first:],

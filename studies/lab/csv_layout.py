@@ -10,6 +10,7 @@ from studies.lab.column_heads import head_of_column, unit_in_head
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
 DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}")
+NO_UNIT = ("", "1", "-")  # cells of a line of units
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -71,9 +72,11 @@ def _above(rows: list[list[str]], count: int) -> tuple[int, list[str]] | None:
     ]
     if not heads:
         return None
-    units = [unit_in_head(cell) for cell in rows[heads[-1]]]
-    if len(heads) > 1 and heads[-1] == len(rows) - 1 and all(units):
-        return heads[-2], units
+    above, last = [k for k in heads if k < len(rows) - 1], rows[-1]
+    units = [unit_in_head(cell) for cell in last] if len(last) == count else []
+    bare = (unit or cell.strip("()[]") in NO_UNIT for unit, cell in zip(units, last, strict=False))
+    if above and any(units) and all(bare):
+        return above[-1], units
     stated = (k for k in heads if any(head_of_column(head) != head or _ends_in_unit(head) for head in rows[k]))
     return next(stated, heads[0]), []
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from studies.lab.column_heads import FREQUENCIES, PHASES, TIMES
+from studies.lab.column_heads import FREQUENCIES, PHASES, SHARES, TIMES, VOLTAGES
 from studies.lab.csv_columns import CsvColumns
 from studies.refusal import refuse_if
 from studies.scene import Scene
@@ -23,8 +23,7 @@ MAX_KNOTS = 1_000_000
 # frequency of a modulation, or offset of the frequency, over that of the wave: above it, the factor is no envelope
 FASTEST = 0.1
 WANTED = "time_s, amplitude and perhaps phase_deg or frequency_offset_Hz"
-PLAIN = {"": 1.0}  # units of a column without one
-COLUMNS = {"time": TIMES, "amplitude": PLAIN, "phase": PHASES, "frequency_offset": FREQUENCIES}
+COLUMNS = {"time": TIMES, "amplitude": SHARES, "phase": PHASES, "frequency_offset": FREQUENCIES}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +124,9 @@ def _slower(offset: float, carrier: float) -> str:
 def _of_file(table: CsvColumns, duration: float, carrier: float) -> tuple[contact.Envelope, float]:
     """Return the envelope in a file and its largest frequency offset, Hz."""
     table.refuse_uneven()
+    volts = [name for name in table.names if name.rpartition("_")[2] in VOLTAGES]
+    if volts and not {"amplitude", "amplitude_percent"} & set(table.names):
+        raise table.lacking(WANTED, f": amplitude is a factor on the level, so divide {volts[0]} by the level in V")
     time, amplitude, phase, offset = (table.column(noun, units) for noun, units in COLUMNS.items())
     if time is None or amplitude is None:
         raise table.lacking(WANTED)

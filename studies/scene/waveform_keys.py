@@ -42,8 +42,9 @@ class Waveform(Block):
     file: Annotated[
         str | None,
         TEXT,
-        "CSV file of the waveform, from the scene's folder: columns time_s and amplitude, and perhaps phase_deg or "
-        "frequency_offset_Hz, no others; linear between its rows, constant before the first and after the last.",
+        "CSV file of the waveform, from the scene's folder: columns time_s and amplitude (a factor on the level, or "
+        "amplitude_percent), and perhaps phase_deg or frequency_offset_Hz, no others; linear between its rows, "
+        "constant before the first and after the last.",
     ] = None
 
     def check_file(self) -> Any:

@@ -29,7 +29,7 @@ CONFIGURATION = {
     "myst_heading_anchors": 3,
     "suppress_warnings": ["myst.header", "misc.highlighting_failure"],
 }
-# lines of code have up to 120 characters, tables of velocities more, where Furo's column has 46 em; sentences are wrapped
+# lines of code have up to 120 characters, tables of velocities more, and Furo's column has 46 em; sentences are wrapped
 STYLE = """\
 .main { justify-content: flex-start; min-width: 0; }
 .content { flex: 1 1 46em; min-width: 0; max-width: 76em; }

@@ -8,6 +8,7 @@ import pytest
 
 from studies.inverse import read_measurement
 from studies.inverse.fitting import prepared
+from studies.lab.csv_columns import CsvColumns
 from studies.lab.measurement_csv import read_measured
 from studies.model.resolve import resolved
 from studies.refusal import SceneError
@@ -61,6 +62,45 @@ def test_every_unit_of_every_head_is_its_prefix_in_si(read, noun, unit, others, 
     for name in read.split("."):
         found = getattr(found, name)
     assert float(found[0]) == pytest.approx(2.5 * prefixed(unit.removesuffix("_per_V")), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("head", "line_of_units", "peak"),
+    [
+        ("Voltage (Vpp)", "", 0.5), ("voltage_mVpp", "", 0.5e-3), ("U_pp / V", "", 0.5), ("Vpp", "", 0.5),
+        ("Vpp [V]", "", 0.5), ("Peak-to-peak voltage (kV)", "", 0.5e3), ("Drive voltage Vp-p", "", 0.5),
+        ("Uss", "V,mm/s", 0.5), ("U", "Vpp,mm/s", 0.5), ("U_eff / V", "", math.sqrt(2.0)),
+        ("Voltage RMS (mV)", "", 1e-3 * math.sqrt(2.0)), ("Voltage (Vrms)", "", math.sqrt(2.0)),
+        ("Voltage (Vp)", "", 1.0), ("V_peak", "", 1.0), ("Voltage (V)", "", 1.0),
+    ],
+)  # fmt: skip
+def test_voltages_are_read_as_peak_values_of_a_sine(head, line_of_units, peak, tmp_path):
+    """The peak of a sine is half of its range, and sqrt(2) times its root mean square."""
+    file = tmp_path / "lab.csv"
+    velocity = "Velocity" if line_of_units else "Velocity (mm/s)"
+    file.write_text("\n".join(filter(None, [f"{head},{velocity}", line_of_units, "10,3", "20,9"])))
+    found = read_measured(file)
+    assert found.levels == pytest.approx((10.0 * peak, 20.0 * peak), rel=1e-14)
+    assert found.values == pytest.approx((3e-3, 9e-3), rel=1e-14)
+    said = "".join(found.remarks)
+    wanted = (
+        "peak-to-peak voltages halved"
+        if "5" in f"{peak:g}"
+        else "rms voltages as sqrt(2)"
+        if "4" in f"{peak:g}"
+        else ""
+    )
+    assert wanted in said
+    assert bool(wanted) == ("halved" in said or "sqrt" in said)
+
+
+def test_a_line_of_units_may_lack_those_of_numbers_without_one(tmp_path):
+    for units in (";ms", "-;ms", "[1];ms"):
+        file = tmp_path / "lab.csv"
+        file.write_text(f"Amplitude;Zeit\n{units}\n0;0\n0,5;1,5\n")
+        table = CsvColumns.read(file, "--measured")
+        assert table.names == ["amplitude", "time_ms"]
+        assert table.rows == [["0", "0"], ["0.5", "1.5"]]
 
 
 @pytest.mark.parametrize("unit", ["deg", "rad"])

@@ -82,7 +82,7 @@ def test_speeds_without_a_sign_take_the_prediction_s(record, measured):
             "voltage_V,velocity_m_per_s\n10,0,0,01\n",
             "line 2, must have 2 values, got 4: decimal commas need semicolons",
         ),
-        ("voltage_Vpp,velocity_m_per_s\n10,0.1\n", "got voltage_Vpp, velocity_m_per_s"),
+        ("voltage_dBm,velocity_m_per_s\n10,0.1\n", "got voltage_dBm, velocity_m_per_s"),
         ("voltage_V,velocity_m_per_s\n10\n", "line 2, velocity_m_per_s"),
         ("voltage_V,velocity_m_per_s,error_m_per_s\n10,0.01,0\n", "line 2, error_m_per_s must be positive, got 0 m/s"),
     ],

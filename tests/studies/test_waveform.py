@@ -140,6 +140,8 @@ def test_a_file_gives_what_its_shape_gives(tmp_path):
     angle = np.degrees(2 * np.pi * (-2e4 * t + 6e4 * t**2 / (2 * duration)))
     texts = {
         'shape="ramp",rise="0.1 ms",fall="0.2 ms"': "time_us,amplitude\n0,0\n100,1\n200,1\n400,0\n",
+        'shape="ramp",rise="0.1 ms",fall="0.2 ms" ': "Zeit;Amplitude\nus;%\n0,0;0\n100,0;100\n200,0;100\n400,0;0\n",
+        'shape="ramp",rise="100 us",fall="0.2 ms"': "Time (us),Amplitude\n0,0\n100,1\n200,1\n400,0\n",
         sweep: f"# a remark\ntime_s,amplitude,frequency_offset_kHz\n0,1,-20\n{duration},1,40\n",
         sweep + " ": "time_s;amplitude;phase_deg\n" + "".join(f"{a};1;{b}\n" for a, b in zip(t, angle, strict=True)),
     }
@@ -236,6 +238,8 @@ def test_what_is_refused_when_it_runs(settings, message):
     ("text", "message"),
     [
         ("time_s,level\n0,1\n1,1\n", "must have the columns time_s, amplitude"),
+        ("Time (s),CH1 (V)\n0,1\n1,1\n", "a factor on the level, so divide ch1_V by the level in V"),
+        ("time_s,amplitude_V\n0,1\n1,1\n", "a factor on the level, so divide amplitude_V by the level in V"),
         ("time_s,amplitude\n0,1\n0,0.5\n", "line 3, time must rise from line to line, got 0 s after 0 s"),
         (
             "time_s,amplitude\n0,1\n1,-0.5\n",
