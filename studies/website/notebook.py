@@ -99,8 +99,10 @@ def executed(notebook: Any, folder: Path, *, timeout: float) -> Any:
     """
     client = needed("nbclient", "an executed notebook").NotebookClient
     written = nbformat.from_dict(notebook)
-    # output comes in pieces that end anywhere, within a number too: joined, as they are
-    return client(written, timeout=timeout, resources={"metadata": {"path": folder}}, coalesce_streams=True).execute()
+    # output comes in pieces that end anywhere, within a number too: joined, as they are; a kernel of this machine alone
+    # needs no encryption, of which each one warns
+    options = {"coalesce_streams": True, "extra_arguments": ["--IPKernelApp.log_level=ERROR"]}
+    return client(written, timeout=timeout, resources={"metadata": {"path": folder}}, **options).execute()
 
 
 def _runs(block: Fenced) -> bool:

@@ -117,7 +117,7 @@ def test_a_page_whose_command_fails_is_no_page(block, tmp_path):
         executed(notebook_of_document(block), tmp_path, timeout=60)
 
 
-def test_output_in_pieces_is_one_text(tmp_path):
+def test_output_in_pieces_is_one_text_and_the_kernel_says_nothing(tmp_path, capfd):
     lines = (
         "import sys, time",
         "for each in ('1.', '5'):",
@@ -127,6 +127,7 @@ def test_output_in_pieces_is_one_text(tmp_path):
     block = "```python\n" + "\n".join(lines) + "\n```\n"
     notebook = executed(notebook_of_document(block), tmp_path, timeout=60)
     assert notebook.cells[0].outputs[0]["text"] == "1.5"
+    assert capfd.readouterr().err == ""  # each page's kernel warned that it does not encrypt
 
 
 def test_a_page_that_fails_is_named(tmp_path, monkeypatch):
