@@ -5,6 +5,7 @@ Functions that draw take and return an Axes; ``saved`` makes the figure and the 
 
 import base64
 import io
+import re
 import textwrap
 from collections.abc import Callable
 
@@ -19,6 +20,8 @@ PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of 
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
 LEGEND_WIDTH = 1.6  # inches of an entry of a legend below the axes
+NUMBER_AND_UNIT = re.compile(r"(?<=\d) (?=(?:[fpn\u00b5umkMG]?(?:Hz|m|V|N|s|W|g|Pa|ohm)|%|mm/s|m/s)(?:\W|$))")
+BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}  # of words over curves
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 
 
@@ -130,7 +133,9 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
 def titled(ax, title: str) -> None:
     """Write a title, wrapped to the figure's width."""
     columns = int(TITLE_COLUMNS * ax.figure.get_figwidth())
-    lines = [textwrap.fill(line, columns) for line in title.splitlines()]
+    # a number stays with its unit: textwrap breaks no line at U+00A0
+    kept = [NUMBER_AND_UNIT.sub("\u00a0", line) for line in title.splitlines()]
+    lines = [textwrap.fill(line, columns).replace("\u00a0", " ") for line in kept]
     # matplotlib finds the height only where an axis lies above: it measures all ticks for it, three times a picture
     height = None if any(child.get_in_layout() for child in ax.child_axes) else 1.0
     ax.set_title("\n".join(lines), fontsize="medium", parse_math=False, y=height)

@@ -14,7 +14,7 @@ import numpy as np
 from studies.record.pillar_pictures import power, pressure, slider_wave
 from studies.record.plane_pictures import motions as plane_motions
 from studies.record.plane_pictures import path as plane_path
-from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled, upper_half
+from studies.record.plots import BACKGROUND, COLOURS, curve, finished, saved, shaded, titled, upper_half
 from studies.record.quantities import Quantity, quantity
 from studies.record.values import Columns
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
 HEADROOM = 1.12  # of an axis of amplitudes, over the largest, which would touch the frame
 WINDOW = 12  # width in wavelengths of the second axes, about the slider
+BETWEEN_HALVES = 1.1  # height of the label of two axes that share a unit, in that of the lower one
 WINDOW_DENSITY = 5  # curves in it have so many values for each of surface.csv, which has 12 in a wavelength
 MAX_LABELLED = 2  # points whose velocities are written beside them
 COMPARED = ("predicted", "measured")  # beginnings of columns of a comparison
@@ -171,7 +172,7 @@ def _values(ax, record: "Record", axes: tuple[Quantity, Quantity]) -> None:
         left = x > 0.5 * largest
         place = {"xytext": (-6 if left else 6, 0), "ha": "right" if left else "left", "va": "center"}
         text = axes[1].with_unit(point[axes[1].column])
-        ax.annotate(text, (x, y), textcoords="offset points", fontsize="small", **place)
+        ax.annotate(text, (x, y), textcoords="offset points", fontsize="small", bbox=BACKGROUND, **place)
     ax.set_xlim(0.0, 1.15 * largest or None)
     ax.plot([0.0], [0.0], linestyle="none")  # the origin lies within the axes
 
@@ -321,6 +322,8 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
             curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(0.0, HEADROOM * ax.dataLim.y1)
     finished(ax, label, up.axis, "", columns=3, grid=False)
+    if top is not ax:
+        ax.yaxis.label.set_y(BETWEEN_HALVES)
     titled(top, f"{scene.title}: {quantity.frequency_Hz.with_unit(record.wave.frequency_Hz)}")
     return ax
 
@@ -355,7 +358,7 @@ def _window(record: "Record", ax, x, values, wavelength: float):
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
     text = f"{WINDOW} wavelengths about {about}"
-    window.text(0.01, 0.06, text, transform=window.transAxes, fontsize="small")
+    window.text(0.01, 0.06, text, transform=window.transAxes, fontsize="small", bbox=BACKGROUND)
     ax.axvspan(dense[0], dense[-1], fill=False, linestyle="--", linewidth=0.8)
     return window
 

@@ -110,6 +110,20 @@ def build(out: Path, names: list[str] | None = None) -> Path:
     return out / "index.html"
 
 
+def without_progress(notebook: Any) -> Any:
+    """Return an executed notebook with the warnings of its commands alone, without the progress that they reported."""
+    for cell in notebook.cells:
+        if not cell.source.startswith("%%bash"):
+            continue
+        for output in cell.outputs:
+            if output.get("name") == "stderr":
+                output["text"] = "".join(
+                    line for line in output["text"].splitlines(True) if line.startswith("sawmotor:")
+                )
+        cell.outputs = [each for each in cell.outputs if each.get("text", "text")]
+    return notebook
+
+
 def _executed(name: str, notebook: Any) -> Any:
     """Return the notebook of a page with its outputs; a `RunError` names the page if a cell fails."""
     failed = needed("nbclient.exceptions", "the site").CellExecutionError
@@ -118,7 +132,7 @@ def _executed(name: str, notebook: Any) -> Any:
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), kept])
     try:
         with TemporaryDirectory() as folder:
-            return executed(notebook, Path(folder), timeout=TIMEOUT)
+            return without_progress(executed(notebook, Path(folder), timeout=TIMEOUT))
     except failed as error:
         raise RunError(f"the page {name} was not made: {error}") from error
     finally:

@@ -29,12 +29,14 @@ def assert_legible(figure):
     for ax in figure.axes:
         legend = ax.get_legend()
         covered = [] if legend is None else [legend.get_window_extent(renderer)]
+        # words with a background are read before a curve
+        covered += [Text.get_window_extent(each, renderer) for each in ax.texts if each.get_bbox_patch() is None]
         for other in figure.axes:
             for line in other.lines:
                 points = line.get_transform().transform(_dense(line.get_xydata()))
                 seen = points[_within(other.bbox, points)]
                 for box in covered:
-                    assert not _within(box, seen).any(), (line.get_label(), "under the legend")
+                    assert not _within(box, seen).any(), (line.get_label(), "under the legend or a word")
 
 
 def _beyond(figure) -> set:

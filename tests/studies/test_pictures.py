@@ -294,6 +294,31 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
         assert points == (pytest.approx(np.array([[80.0, 0.2], [80.0, 0.15]])) if spreads else [])
 
 
+def test_words_over_a_standing_wave_have_a_background_and_one_label_serves_both_axes():
+    """The words lay on the curves, and the label reached from the lower axes alone to its end."""
+    x = np.linspace(0.0, 0.16, 2000)
+    standing = 3e-10 * np.cos(2 * np.pi * x / 1e-3) + 0j
+    wave = {
+        "frequency_Hz": 2.2e6,
+        "phase_velocity_m_per_s": 2200.0,
+        "normal_m_per_V": 3e-10,
+        "tangential_m_per_V": 2e-10,
+    }
+    columns = {"x_m": x, "u_z_m_per_V": standing, "u_x_m_per_V": 0.7j * standing}
+    scene = resolve.resolved(Scene.load("twente"))
+    scene = replace(scene, title="A title that ends in its line just before the unit of its own frequency")
+    figure, ax = new_figure(*SIZE, dpi=DPI)
+    pictures(Record(scene=scene, tolerance=1e-3, wave=wave, surface=columns))["surface"](ax)
+    assert_legible(figure)
+    (upper,) = (each for each in figure.axes if each is not ax)
+    (words,) = upper.texts
+    assert "wavelengths about the slider" in words.get_text()
+    box = Text.get_window_extent(ax.yaxis.label)
+    middle = 0.5 * (ax.bbox.y0 + upper.bbox.y1)
+    assert 0.5 * (box.y0 + box.y1) == pytest.approx(middle, abs=0.02 * figure.bbox.height)
+    assert upper.get_title().splitlines()[-1] == "2.2 MHz"  # a number stays with its unit
+
+
 def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
     """Windows are opened after the numbers are saved; where none can be, the run is refused before it begins."""
     from matplotlib import pyplot

@@ -130,6 +130,20 @@ def test_output_in_pieces_is_one_text_and_the_kernel_says_nothing(tmp_path, capf
     assert capfd.readouterr().err == ""  # each page's kernel warned that it does not encrypt
 
 
+def test_a_page_has_the_warnings_of_a_command_and_not_its_progress(tmp_path):
+    from studies.website.pages import without_progress
+
+    said = ("stator (1.0 s)", "sawmotor: warning: warm", "stator (2.0 s)")
+    loud = "; ".join(f"echo '{line}' >&2" for line in said)
+    quiet = "echo 'stator (1.0 s)' >&2; echo 3"
+    document = f"```sh\n{loud}\n```\n```sh\n{quiet}\n```\n```python\nimport sys\nprint('mine', file=sys.stderr)\n```\n"
+    cells = without_progress(executed(notebook_of_document(document), tmp_path, timeout=60)).cells
+    found = [[(each["name"], each["text"]) for each in cell.outputs] for cell in cells]
+    assert [each for each in found if each] == [
+        [("stderr", "sawmotor: warning: warm\n")], [("stdout", "3\n")], [("stderr", "mine\n")],
+    ]  # fmt: skip
+
+
 def test_a_page_that_fails_is_named(tmp_path, monkeypatch):
     from studies.website import pages
 
