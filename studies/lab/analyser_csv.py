@@ -109,9 +109,9 @@ def _rows(lines: list[str], start: int, separator: str, heads: list) -> tuple[li
         if text.upper().startswith("END"):
             break
         cells = cells_of(line if separator == "\t" else text, separator)
-        if not rows and len(cells) == len(heads) and all(not cell or unit_of(cell.strip("()[] ")) for cell in cells):
+        if not rows and len(cells) == len(heads) and all(not cell or unit_of(cell) for cell in cells):
             heads = [
-                Head(**{**vars(head), "unit": unit_of(cell.strip("()[] ")) or head.unit}) if head else None
+                Head(**{**vars(head), "unit": unit_of(cell) or head.unit}) if head else None
                 for head, cell in zip(heads, cells, strict=True)
             ]
             continue

@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from studies.lab.column_heads import FREQUENCIES, PHASES
+from studies.lab.column_heads import FREQUENCIES, PHASES, spelled_alike
 
 IMPEDANCES = {"ohm": 1.0, "kohm": 1e3, "Mohm": 1e6, "mohm": 1e-3}
 ADMITTANCES = {"S": 1.0, "mS": 1e-3, "uS": 1e-6, "nS": 1e-9}
-ANGLES = PHASES
 DECIBELS = {"dB": 1.0}
 # Quantities by the letters of their heads, without signs and blanks: the kind of parameter and its part
 NAMES = {
@@ -54,17 +53,8 @@ def unit_of(text: str) -> str:
     >>> unit_of("kΩ"), unit_of("MHZ"), unit_of("°"), unit_of("mOhm"), unit_of("mm")
     ('kohm', 'MHz', 'deg', 'mohm', '')
     """
-    plain = text.strip().replace("µ", "u").replace("μ", "u")
-    plain = re.sub("(?i)ohms?$|[\u03a9\u2126]$", "ohm", plain)  # both signs of the ohm
-    plain = {"°": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "siemens": "S", "db": "dB"}.get(
-        plain.lower(), plain
-    )
-    for units in (FREQUENCIES, ANGLES):
-        for unit in units:
-            if plain.lower() == unit.lower():
-                return unit
-    plain = plain.replace("Kohm", "kohm")
-    return plain if plain in IMPEDANCES | ADMITTANCES | DECIBELS else ""
+    plain = spelled_alike(text)
+    return plain if plain in FREQUENCIES | PHASES | IMPEDANCES | ADMITTANCES | DECIBELS else ""
 
 
 def head_of(cell: str) -> Head | None:
@@ -89,7 +79,7 @@ def head_of(cell: str) -> Head | None:
     if word not in QUANTITIES:
         return None
     kind, part = QUANTITIES[word]
-    if part == "magnitude" and unit in ANGLES:
+    if part == "magnitude" and unit in PHASES:
         part = "phase"
     if kind == "s" and part == "magnitude" and not unit and ("log" in word or "db" in word):
         unit = "dB"
@@ -100,7 +90,7 @@ def head_of(cell: str) -> Head | None:
 
 def _units(kind: str, part: str) -> Iterable[str]:
     if part == "phase":
-        return ANGLES
+        return PHASES
     if kind == "s":
         return DECIBELS if part == "magnitude" else {}
     return UNITS[kind]

@@ -30,6 +30,11 @@ UNITS = {
     "percent",
     *(f"{unit}_per_V" for unit in MOTIONS),
 }
+# other spellings in small letters; capital letters say nothing in these, but tell mV from MV and s from S
+SPELLINGS = {unit.lower(): unit for unit in (*FREQUENCIES, *PHASES, "dB")} | {
+    "°": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "1/min": "rpm", "min-1": "rpm", "%": "percent",
+    "siemens": "S",
+}  # fmt: skip
 # nouns of instruments' heads for those that are read, with the units that they have then
 NOUNS = (
     ("voltage", ("u", "v", "drive_voltage", "spannung"), VOLTAGES),
@@ -58,6 +63,19 @@ SLASHED = re.compile(r"(.+?)\s+/\s+(.+)")  # as DIN 1313 writes a quantity over 
 PLAIN = re.compile(r"[^\s()\[\]/]+")  # as the program writes heads
 
 
+def spelled_alike(text: str) -> str:
+    """Return a unit in the one spelling in which it is looked up; a text that is none comes back much as it is.
+
+    Examples
+    --------
+    >>> [spelled_alike(unit) for unit in ("( mm/s² )", "µm", "MHZ", "Degrees", "kΩ", "1/min", "%")]
+    ['mm_per_s2', 'um', 'MHz', 'deg', 'kohm', 'rpm', 'percent']
+    """
+    plain = text.strip("()[] \t").replace("µ", "u").replace("μ", "u").replace("²", "2").replace("^2", "2")
+    plain = re.sub("(?i)ohms?$|[\u03a9\u2126]$", "ohm", plain).replace("Kohm", "kohm")  # both signs of the ohm
+    return SPELLINGS.get(plain.lower(), plain).replace("/", "_per_")
+
+
 def unit_in_head(text: str) -> str:
     """Return a unit as heads write it; an empty text for what is none.
 
@@ -68,8 +86,7 @@ def unit_in_head(text: str) -> str:
     >>> unit_in_head("velocity")
     ''
     """
-    plain = text.strip().strip("()[]").replace("µ", "u").replace("μ", "u").replace("²", "2").replace("^2", "2")
-    plain = {"°": "deg", "1/min": "rpm", "min-1": "rpm", "%": "percent"}.get(plain, plain).replace("/", "_per_")
+    plain = spelled_alike(text)
     voltage = VOLTAGE_UNIT.fullmatch(plain)
     plain = plain if voltage is None else f"{voltage['prefix']}V{_kind(voltage)}"
     return plain if plain in UNITS else ""
