@@ -85,8 +85,8 @@ def burst(
     samples : int
         Number of instants recorded, evenly spaced; with `after` inf of the burst and as many of the coast.
     method : str
-        "exact" (event by event), "stepped" (fixed steps), "averaged" (after a start event by event), or "auto", which
-        takes fixed steps where the events are not solved.
+        "exact" (event by event), "stepped" (fixed steps), "averaged" (after a start event by event), or "auto". The
+        last two take fixed steps where the events are not solved.
     rise_time : float
         Time constant of the waves' rise, 1 - exp(-t/rise_time), and of their fall after the burst, s.
     start : (pose, rates), optional
@@ -366,7 +366,7 @@ def _on_waves_at(question, motion, pose):
 
 
 def _averaged(question):
-    """The averaged equations of velocity and yaw rate, twice with means that differ, after a start event by event."""
+    """The averaged equations of velocity and yaw rate, twice with means that differ, after a start with its events."""
     slider = question.slider
     refuse_slow_beat(slider, question.waves)
     begun = _start(question)
@@ -508,7 +508,7 @@ class _Start(NamedTuple):
 
 
 def _start(question):
-    """Return the motion up to where the bounce of the start has decayed, event by event.
+    """Return the motion up to where the bounce of the start has decayed, event by event, or in fixed steps.
 
     A wave that begins finds the slider at its height of rest. It bounces about the mean height of the wave for 2 m/R_n,
     with another mean force: on `twente-planar` the velocity after 1 ms is 9 % less than by the averaged equations.
@@ -520,9 +520,9 @@ def _start(question):
     decay, until = _decay(slider), _bounces_until(question)
     at = np.union1d(question.at[question.at < until], [until])
     try:
-        found = _exact(question.up_to(at))
+        found, how = _exact(question.up_to(at)), "event by event"
     except ConvergenceError:
-        return _Start(0.0, np.zeros(6), *none, np.zeros(3), True, "")
+        found, how = _stepped(question.up_to(at)), "in fixed steps"
     error, fall = found.error, math.exp(-until / decay)
     left = min(fall / max(1.0 - fall, 1e-12), question.duration / until - 1.0)
     if left > 0.0:
@@ -532,7 +532,7 @@ def _start(question):
         error = error + left * np.abs(found.rates[-1] - mean[3:])
     rows = found.pose[:-1], found.rates[:-1], found.height[:-1]
     last = np.concatenate([found.pose[-1], found.rates[-1]])
-    reason = f", event by event for the first {until * 1e3:.2g} ms"
+    reason = f", {how} for the first {until * 1e3:.2g} ms"
     return _Start(until, last, at[:-1], rows, error, False, reason)
 
 
