@@ -98,6 +98,18 @@ class Fingers(NamedTuple):
         """Return x of the centres of the fingers, m."""
         return (self.first + self.last) / 2
 
+    @property
+    def lumps(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (m) and sizes of three point charges per finger, for static fields: (n,) and (..., n).
+
+        The charges (M_2 - M_1)/2, M_0 - M_2 and (M_2 + M_1)/2 at the finger's left end, middle and right end have its
+        total charge, dipole moment and second moment.  Here the unit of length of M_n is half the finger's own width.
+        """
+        half = np.maximum(self.last - self.first, np.finfo(float).tiny) / 2  # ``tiny``: as in `of`
+        total, dipole, second = (self.moments[..., power] * (self.half_width / half) ** power for power in range(3))
+        positions = np.concatenate([self.middles - half, self.middles, self.middles + half])
+        return positions, np.concatenate([(second - dipole) / 2, total - second, (second + dipole) / 2], axis=-1)
+
     def phase(self, wavenumbers: np.ndarray) -> np.ndarray:
         """Return the phase of waves across half a finger, rad; below MAX_PHASE the series of `sums` is accurate."""
         return abs(wavenumbers) * self.half_width
@@ -126,20 +138,6 @@ class ChargeSheet:
     def fingers(self) -> Fingers:
         """Fingers and the moments of their charges."""
         return Fingers.of(self.x, self.charge, self.finger)
-
-    @property
-    def lumps(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (m) and sizes of three point charges per finger, for static fields.
-
-        The charges (M_2 - M_1)/2, M_0 - M_2 and (M_2 + M_1)/2 at the finger's left end, middle and right end have its
-        total charge, dipole moment and second moment.  Here the unit of length of M_n is half the finger's own width.
-        """
-        fingers = self.fingers
-        half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # ``tiny``: as in `Fingers.of`
-        total, dipole, second = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
-        positions = np.stack([fingers.middles - half, fingers.middles, fingers.middles + half])
-        charges = np.stack([(second - dipole) / 2, total - second, (second + dipole) / 2])
-        return positions.ravel(), charges.ravel()
 
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
         """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
@@ -180,7 +178,7 @@ class Emitter:
         return np.concatenate([each.charge for each in self.sheets])
 
     @cached_property
-    def _on_same_nodes(self) -> list[tuple[slice, ChargeSheet, np.ndarray, Fingers]]:
+    def on_same_nodes(self) -> list[tuple[slice, ChargeSheet, np.ndarray, Fingers]]:
         """Sheets that share their nodes: their numbers, the first of them, all charges (sheets, nodes), and moments."""
         out, first = [], 0
         for _, same_nodes in groupby(self.sheets, key=lambda sheet: id(sheet.x)):
@@ -190,6 +188,11 @@ class Emitter:
             out.append((slice(first, first + len(sheets)), sheets[0], charge, fingers))
             first += len(sheets)
         return out
+
+    @cached_property
+    def _widest(self) -> Fingers:
+        """Fingers of the sheets that have the widest one."""
+        return max((fingers for *_, fingers in self.on_same_nodes), key=lambda fingers: fingers.half_width)
 
     def plane_waves(self, positions: np.ndarray, distance: float) -> np.ndarray:
         """Motion u at k_y = 0 and positions in m by the modes that reach a distance in m, shape (positions, 3)."""
@@ -208,6 +211,10 @@ class Emitter:
         out = np.zeros((len(positions), 3, shapes.shape[1]), dtype=complex)
         if not along.size:
             return out
+        short = self._widest.phase(along).max(axis=1) >= MAX_PHASE
+        if short.any() and not short.all():  # few modes need every node of a finger, the others its moments
+            parts = (branch._replace(along=along[some], motion=branch.motion[:, some]) for some in (~short, short))
+            return sum(self.spectra(each, positions, shapes) for each in parts)
         sources, waves = self._sources_beside(positions, side * along, shapes)
         count = len(sources)
         at = side * np.append(sources, positions)
@@ -238,7 +245,7 @@ class Emitter:
         equation (3).  ``along`` is signed by the direction of the branch.
         """
         positions, waves, ordered = [], [], np.sort(x_of_field)
-        for numbers, sheet, charge, fingers in self._on_same_nodes:
+        for numbers, sheet, charge, fingers in self.on_same_nodes:
             # A finger is combined if no requested position lies on it, provided that the series is accurate for the
             # widest finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
             whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
@@ -328,13 +335,15 @@ class EmittedBeam:
     def _static(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Field of the pole at k = 0 in closed form (`ModeSource.static_motion`), shape (3, points)."""
         out = np.zeros((3, len(x)), dtype=complex)
-        with_pole = [emitter for emitter in self.emitters if emitter.source.static]
-        for source, sheet in ((emitter.source, sheet) for emitter in with_pole for sheet in emitter.sheets):
-            nodes, charge = sheet.lumps
-            for start in range(0, len(x), CHUNK):
-                chunk = slice(start, start + CHUNK)
-                to_ends = (sheet.length / 2 + sign * (y[chunk, None] - sheet.center) for sign in (1, -1))
-                along_x, along_y = source.static_motion(np.subtract.outer(x[chunk], nodes), *to_ends)
-                out[0, chunk] += along_x @ charge
-                out[1, chunk] += along_y @ charge
+        for emitter in (each for each in self.emitters if each.source.static):
+            for numbers, _, _, fingers in emitter.on_same_nodes:
+                nodes, charges = fingers.lumps
+                for sheet, charge in zip(emitter.sheets[numbers], charges, strict=True):
+                    for start in range(0, len(x), CHUNK):
+                        chunk = slice(start, start + CHUNK)
+                        to_ends = (sheet.length / 2 + sign * (y[chunk, None] - sheet.center) for sign in (1, -1))
+                        distances = np.subtract.outer(x[chunk], nodes)
+                        along_x, along_y = emitter.source.static_motion(distances, *to_ends)
+                        out[0, chunk] += along_x @ charge
+                        out[1, chunk] += along_y @ charge
         return out

@@ -324,20 +324,23 @@ class ApertureResponse:
     lines: np.ndarray = field(repr=False)
     potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
     sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    # first moments of the fingers' reactions that the section does not have, (sheets, fingers, columns)
-    dipoles: np.ndarray = field(repr=False)
+    charges: np.ndarray = field(repr=False)  # q, (sheets, fingers, columns)
+    # from charges to the first moments of the fingers' reactions that the section does not have, square over the
+    # fingers of all sheets
+    added_dipoles: np.ndarray = field(repr=False)
     # reactions at the ports of a transducer whose fingers do not all reach over the aperture, (ports, columns), or None
     at_ports: np.ndarray | None = field(default=None, repr=False)
 
     def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
         """Fields of the sheets for a combination of the columns, ``weights`` of shape (columns, ports)."""
         waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
-        potentials = self.potentials @ weights
+        potentials, charges = self.potentials @ weights, self.charges @ weights
+        dipoles = (self.added_dipoles @ charges.reshape(-1, weights.shape[1])).reshape(charges.shape)
         return tuple(
             Sheet(
                 length=float(length),
                 sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
-                dipoles=self.dipoles[at] @ weights,
+                dipoles=dipoles[at],
             )
             for at, length in enumerate(self.lengths)
         )
@@ -402,8 +405,9 @@ def aperture_response(
         tested = held * scatterer.potentials + (lengths[:, None, None] - held) * both
         load[..., waves:before_forces] = np.tensordot(np.linalg.inv(np.minimum.outer(lengths, lengths)), tested, axes=1)
     load[..., before_forces:] = np.einsum("fp,sfpn->sfn", section.effective, of_forces)
-    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
-    by_potentials = (change_by_charge.reshape(size, sheets, fingers) @ section.charge_by_potentials).reshape(size, size)
+    change_by_finger = change_by_charge.reshape(size * sheets, fingers)
+    load.reshape(size, columns)[:, :waves] += (change_by_finger @ section.charge_by_waves).reshape(size, waves)
+    by_potentials = (change_by_finger @ section.charge_by_potentials).reshape(size, size)
     finger_potentials = np.linalg.solve(np.eye(size) - by_potentials, load.reshape(size, columns)).reshape(load.shape)
     charges = by_arriving + section.charge_by_potentials @ finger_potentials  # equation (3)
 
@@ -417,7 +421,8 @@ def aperture_response(
         lines=section.lines,
         potentials=finger_potentials,
         sent=sent.reshape(waves, columns),
-        dipoles=(added @ charges.reshape(size, columns)).reshape(finger_potentials.shape),
+        charges=charges,
+        added_dipoles=added,
         at_ports=None if reach is None else np.einsum("sfp,sfc->pc", tested, charges) / lengths[0],
     )
 

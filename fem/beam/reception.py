@@ -58,7 +58,7 @@ from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
 from fem.threads import side_by_side
-from fem.waveguide.cascade_system import Element, solve_cascade
+from fem.waveguide.cascade_system import Element, Travel, solve_cascade
 from fem.waveguide.guided_modes import GuidedModes, full_modes, guided_modes
 from fem.waveguide.port_fields import PortFields, StatorCascade
 from fem.waveguide.scattering_network import Network, PortSolution
@@ -375,16 +375,16 @@ class _Beams:
         """O / L of the sheets of each transducer, (O / L)_cb = O_cb / L_c."""
         return [np.minimum.outer(each, each) / each[:, None] for each in self.lengths]
 
-    def travel(self) -> np.ndarray:
-        """Matrix from the amplitudes that are sent to those that arrive.
+    def travel(self) -> list[Travel]:
+        """Factors from the amplitudes that are sent to those that arrive, of each mode and two transducers.
 
         With B of `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of
         another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l): equation (2), divided by
         L_c because B is a mean over the receiving sheet.
         """
         modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.coupling_modes)
-        lines, lengths, numbers = self.network.lines, self.lengths, np.arange(m)
-        out = np.zeros((self.first[-1], self.first[-1]), dtype=complex)
+        lines, lengths = self.network.lines, self.lengths
+        out: list[Travel] = []
         for one, other in combinations(range(len(lines)), 2):
             gap = lines[other][0] - lines[one][1]
             to_other = np.minimum.outer(lengths[other], lengths[one])[..., None] / lengths[other][:, None, None]
@@ -406,12 +406,17 @@ class _Beams:
                 (other, one, to_one, -modes.backwards[self.coupling_modes] * gap),
             ):
                 amplitudes = np.tensordot(np.linalg.inv(self.overlaps[receiver]), mean_beams, axes=1)
-                block = out[self._waves(receiver), self._waves(sender)]
-                block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
                 direction = int(sender > receiver)  # 0 to the right, 1 to the left
-                arriving = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)
-                block[:, direction, numbers, :, direction, numbers] = arriving
+                arriving = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)  # (modes, sheets, sheets)
+                arrives, leaves = (self._by_mode(each, direction) for each in (receiver, sender))
+                out.append(Travel(arrives, leaves, arriving))
         return out
+
+    def _by_mode(self, index: int, direction: int) -> np.ndarray:
+        """Numbers of a transducer's waves to the right (0) or to the left (1), shape (modes, sheets)."""
+        start, stop = self.first[index], self.first[index + 1]
+        numbers = np.arange(start, stop).reshape(len(self.lengths[index]), 2, len(self.coupling_modes))
+        return numbers[:, direction].T
 
     def from_forces(self) -> tuple[np.ndarray | None, list[np.ndarray]]:
         """Waves that arrive directly from the strips of force, and their change from finger to finger.

@@ -31,7 +31,7 @@ from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.cascade_system import Element, solve_cascade
+from fem.waveguide.cascade_system import Element, Travel, solve_cascade
 from fem.waveguide.guided_modes import GuidedModes, power
 from fem.waveguide.port_fields import stator_cascade
 from fem.waveguide.scattering_network import SegmentWaves
@@ -150,11 +150,13 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
     """
     modes = len(parts[0].wavenumbers)
     waves = [np.arange(2 * modes * at, 2 * modes * (at + 1)) for at in range(len(parts))]
-    travel = np.zeros((2 * modes * len(parts),) * 2, dtype=complex)
+    travel = []
     for part, distance, left, right in zip(parts, distances, waves, waves[1:], strict=False):
         rightwards = part.travelled(distance)
-        travel[np.ix_(right[:modes], left[modes:])] = rightwards
-        travel[np.ix_(left[modes:], right[:modes])] = rightwards.T
+        travel += [
+            Travel(right[None, :modes], left[None, modes:], rightwards[None]),
+            Travel(left[None, modes:], right[None, :modes], rightwards.T[None]),
+        ]
     unit = np.eye(len(parts))
     elements = [
         Element(scattering=part.scattering, excitation=np.outer(part.excitation, volts), leaves=own, arrives=own)

@@ -19,6 +19,7 @@ of their scattering matrices (R. Redheffer, J. Math. Phys. 41, 1962, 1, eq. 4).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,6 +44,21 @@ class Element:
     arrives: np.ndarray = field(repr=False)
 
 
+class Travel(NamedTuple):
+    """A part of P: groups of waves that travel from one element to another, none of them from group to group.
+
+    Modes of a uniform segment are such groups, because they do not change into each other on the way.
+    """
+
+    arrives: np.ndarray  # (groups, r): numbers of the waves that arrive
+    leaves: np.ndarray  # (groups, s): numbers of the waves that leave
+    factors: np.ndarray  # (groups, r, s)
+
+    def arriving(self, leaving: np.ndarray) -> np.ndarray:
+        """Amplitudes that arrive, (groups, r, excitations), of the waves of a whole cascade, (waves, excitations)."""
+        return self.factors @ leaving[self.leaves]
+
+
 @dataclass(frozen=True, kw_only=True)
 class CascadeWaves:
     """Amplitudes of a cascade for each of its excitations.
@@ -61,7 +77,7 @@ class CascadeWaves:
 
 
 def solve_cascade(
-    elements: Sequence[Element], travel: np.ndarray | None = None, outside: np.ndarray | None = None
+    elements: Sequence[Element], travel: Sequence[Travel] | None = None, outside: np.ndarray | None = None
 ) -> CascadeWaves:
     """Solve equation (3).
 
@@ -69,8 +85,9 @@ def solve_cascade(
     ----------
     elements : sequence of Element
         Each wave leaves exactly one of them.
-    travel : ndarray, shape (waves, waves), optional
-        P; without it a wave arrives with the number and the amplitude with which it leaves.
+    travel : sequence of Travel, optional
+        P; without it a wave arrives with the number and the amplitude with which it leaves.  All waves of one
+        part arrive at one element, and no other part takes any of them there.
     outside : ndarray, shape (waves, excitations), optional
         a_0.
 
@@ -89,28 +106,37 @@ def solve_cascade(
     ...     )
     ...     for number, reflection, sent in ((0, 0.5, 1.0), (1, 0.8, 0.0))
     ... )
-    >>> waves = solve_cascade([one, other], travel=0.9 * np.array([[0.0, 1.0], [1.0, 0.0]]))
+    >>> way = np.array([[[0.9]]])
+    >>> there, back = Travel(np.array([[1]]), np.array([[0]]), way), Travel(np.array([[0]]), np.array([[1]]), way)
+    >>> waves = solve_cascade([one, other], [there, back])
     >>> bool(np.isclose(waves.leaving[0, 0], 1 / (1 - 0.5 * 0.8 * 0.9**2)))
     True
     """
     size = sum(len(each.leaves) for each in elements)
     # waves that arrive at an element; only they are unknowns of the system
-    onward = np.full(size, True) if travel is None else travel.any(axis=0)
+    onward = np.full(size, travel is None)
     coupling = np.zeros((size, size), dtype=complex)
     load = np.zeros((size, elements[0].excitation.shape[1]), dtype=complex)
-    for each in elements:
+    element_of, place = np.zeros(size, dtype=int), np.zeros(size, dtype=int)  # of a wave that arrives
+    for number, each in enumerate(elements):
+        element_of[each.arrives], place[each.arrives] = number, np.arange(len(each.arrives))
         if travel is None:
             coupling[np.ix_(each.leaves, each.arrives)] = each.scattering
-        else:
-            own = travel[each.arrives]
-            at, sent = own.any(axis=1), own.any(axis=0)  # what arrives here, and where it was sent
-            coupling[np.ix_(each.leaves, sent)] = each.scattering[:, at] @ own[np.ix_(at, sent)]
         load[each.leaves] = each.excitation
         if outside is not None:
             load[each.leaves] += each.scattering @ outside[each.arrives]
+    parts = [part for part in travel or () if part.arrives.size]
+    for part in parts:
+        onward[part.leaves] = True
+        receiver = elements[element_of[part.arrives.flat[0]]]
+        # (groups, leaving, r) times (groups, r, s)
+        scattered = np.moveaxis(receiver.scattering[:, place[part.arrives]], 1, 0) @ part.factors
+        coupling[receiver.leaves[:, None, None], part.leaves] = np.moveaxis(scattered, 0, 1)
     by_onward = coupling[:, onward]
     leaving = load + by_onward @ np.linalg.solve(np.eye(by_onward.shape[1]) - by_onward[onward], load[onward])
-    arriving = leaving if travel is None else travel @ leaving
+    arriving = leaving if travel is None else np.zeros_like(leaving)
+    for part in parts:
+        arriving[part.arrives] += part.arriving(leaving)
     if outside is not None:
         arriving = arriving + outside
     return CascadeWaves(leaving=leaving, arriving=arriving, coupling=coupling)

@@ -1,13 +1,17 @@
-"""Open reflectors, apertures shorter than the wave, gaps that a neighbour clips, bands, images, places off the axis."""
+"""Spectra of charges, open reflectors, short apertures, clipped gaps, bands, images, places off the axis."""
 
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 
+from fem.beam.beam_of_charges import Emitter
 from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
+from fem.beam.lateral import PLANE
+from fem.beam.line_source import Branch
 from fem.beam.reception import aperture_solver
 from fem.condense.transducer import finger_ports
 from fem.discretize.element_sizes import Resolution
@@ -29,7 +33,7 @@ def test_lumps_keep_charge_dipole_and_spread_of_any_finger():
     charge = rng.normal(size=(2, 7)) + 1j * rng.normal(size=(2, 7))
     charge[1] -= charge[1].mean()
     both = ElectrodeCharges(x=np.append(x, x + 1e-3), charge=charge.ravel(), finger=np.repeat([3, 5], 7))
-    places, lumps = both.sheets(1e-3, 0.0)[0].lumps
+    places, lumps = both.sheets(1e-3, 0.0)[0].fingers.lumps
     assert places.min() > -1e-3
     assert places.max() < 2e-3
     for power in range(3):
@@ -245,3 +249,24 @@ def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
                 scale = abs(charge).max()
                 np.testing.assert_allclose(charge[own].sum(), total, rtol=1e-9, atol=1e-9 * scale)
                 np.testing.assert_allclose(charge[own] @ arms, moment, rtol=1e-7, atol=1e-9 * scale * arms[-1])
+
+
+def test_spectra_are_the_sum_over_charges_and_modes_whatever_their_length():
+    """Beyond the charges and between them, with modes longer and much shorter than a finger."""
+    rng = np.random.default_rng(3)
+    x = np.sort(np.concatenate([start + rng.uniform(0.0, 2e-4, 5) for start in (0.0, 5e-4, 1e-3)]))
+    charge = rng.normal(size=(2, 15)) + 1j * rng.normal(size=(2, 15))
+    both = ElectrodeCharges(x=x, charge=charge[0], finger=np.repeat([0, 1, 2], 5), steps=((1e-3, charge[1]),))
+    emitter = Emitter(MagicMock(), both.sheets(2e-3, 0.0))
+    along = np.multiply.outer([3e3, 8e3, 9e4], [1.0, 0.8]) * (1 - 0.01j)
+    motion, shapes = rng.normal(size=(3, 3, 2)), rng.normal(size=(2, 2))
+    positions = np.array([3e-4, 5e-4 + 1e-4, 2e-3])
+    for side in (1, -1):
+        expected = np.zeros((3, 3, 2), dtype=complex)
+        for number, place in enumerate(positions):
+            upstream = side * x < side * place
+            waves = np.exp(-1j * np.multiply.outer(along, abs(place - x[upstream])))  # (modes, n, charges)
+            sent = np.einsum("mnj,sj,sn->mn", waves, charge[:, upstream], shapes)
+            expected[number] = np.einsum("cmn,mn->cn", motion, sent)
+        found = emitter.spectra(Branch(side, PLANE, along, motion, ()), positions, shapes)
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)

@@ -9,6 +9,7 @@ from fem.condense.finger_columns import condensed
 from fem.condense.joined_fingers import joined, repeated
 from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.parameters import InputError
+from fem.waveguide.cascade_system import Element, Travel, solve_cascade
 from fem.waveguide.end_conditions import closed, end_reflection, end_walls
 from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
@@ -179,3 +180,34 @@ def test_reciprocity_between_plain_ends_on_a_fine_level(ends, bottom):
     row = (comb(stator, "a", 1.5, finger_pairs=2, metallisation=0.45), comb(stator, "b", 7.3, metallisation=0.55))
     admittances = solution(stator, row, order=9, layers=4).fields.admittances
     assert abs(admittances - admittances.T).max() < 1e-11 * abs(admittances).max()
+
+
+def test_waves_in_groups_travel_as_by_one_matrix():
+    """Three elements, of which the middle one receives from both sides, and a group without any waves."""
+    rng = np.random.default_rng(5)
+
+    def some(*shape):
+        return 0.3 * (rng.normal(size=shape) + 1j * rng.normal(size=shape))
+
+    own = [np.arange(4 * at, 4 * at + 4) for at in range(3)]
+    elements = [
+        Element(scattering=some(4, 4), excitation=some(4, 2), leaves=each, arrives=np.roll(each, 1)) for each in own
+    ]
+    travel, matrix = [], np.zeros((12, 12), dtype=complex)
+    for sender, receiver in ((0, 1), (1, 0), (1, 2), (2, 1)):
+        half = slice(0, 2) if sender < receiver else slice(2, 4)
+        part = Travel(own[receiver][half][:, None], own[sender][half][:, None], some(2, 1, 1))
+        travel.append(part)
+        matrix[part.arrives[:, 0], part.leaves[:, 0]] = part.factors[:, 0, 0]
+    travel.append(Travel(np.zeros((0, 1), int), np.zeros((0, 1), int), np.zeros((0, 1, 1))))
+    scattering, excitation, outside = np.zeros((12, 12), dtype=complex), np.zeros((12, 2), dtype=complex), some(12, 2)
+    for each in elements:
+        scattering[np.ix_(each.leaves, each.arrives)], excitation[each.leaves] = each.scattering, each.excitation
+    for from_outside in (None, outside):
+        load = excitation if from_outside is None else excitation + scattering @ outside
+        leaving = np.linalg.solve(np.eye(12) - scattering @ matrix, load)
+        found = solve_cascade(elements, travel, from_outside)
+        np.testing.assert_allclose(found.leaving, leaving, rtol=1e-12)
+        arriving = matrix @ leaving + (0 if from_outside is None else outside)
+        np.testing.assert_allclose(found.arriving, arriving, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(found.coupling, scattering @ matrix, rtol=1e-12, atol=1e-15)
