@@ -213,8 +213,8 @@ class Emitter:
             return out
         short = self._widest.phase(along).max(axis=1) >= MAX_PHASE
         if short.any() and not short.all():  # few modes need every node of a finger, the others its moments
-            parts = (branch._replace(along=along[some], motion=branch.motion[:, some]) for some in (~short, short))
-            return sum(self.spectra(each, positions, shapes) for each in parts)
+            long, rest = (branch._replace(along=along[some], motion=branch.motion[:, some]) for some in (~short, short))
+            return self.spectra(long, positions, shapes) + self.spectra(rest, positions, shapes)
         sources, waves = self._sources_beside(positions, side * along, shapes)
         count = len(sources)
         at = side * np.append(sources, positions)

@@ -43,7 +43,7 @@ class ChangedScenes:
         # stators of a subclass in memory until the next garbage collection
         self._read = partial(_read_block, table, rules)
         self._block, self._slider = lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider)
-        self._stator = lru_cache(64)(_resolved_stator)
+        self._stator, self._drive = lru_cache(64)(_resolved_stator), lru_cache(MAX_BLOCKS)(_at_levels)
 
     def scene(self, changes: dict) -> Scene:
         """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
@@ -80,8 +80,7 @@ class ChangedScenes:
             # sources of own frequencies need a slider in the plane
             slider = scene.slider if scene.drive.source_frequencies else None
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), slider, spread)
-            own = {key: getattr(scene.drive, key) for key in ("burst", "waveform", "duty")}
-            drive = replace(stator.drive, voltage=scene.levels, **own)
+            drive = self._drive(stator.drive, scene.levels, scene.drive.burst, scene.drive.waveform, scene.drive.duty)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
             # only the moduli of a named ball depend on the stator
@@ -102,6 +101,10 @@ def _read_block(scene: dict, rules: dict[str, Any], name: str, changes: tuple) -
         return rules[name].read(name, table[name])
     except SceneError as error:
         return error.with_traceback(None)
+
+
+def _at_levels(drive: Drive, levels: tuple, burst: Any, waveform: Any, duty: Any) -> Drive:
+    return replace(drive, voltage=levels, burst=burst, waveform=waveform, duty=duty)
 
 
 def _resolved_stator(
