@@ -17,7 +17,7 @@ import fem
 from studies.model.model import Model
 from studies.model.wave_to_contact import Contact
 from studies.record.waveform import modulation
-from studies.refusal import RunError
+from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.solve.motion_band import motion_bands, solved_in_bands
 from studies.solve.nearby_motion import POINTS
@@ -29,6 +29,10 @@ from studies.solve.travel import WaveAlong
 
 LOGGER = logging.getLogger(__name__)
 MAX_POSITIONS = 1_000_000  # of all solved stators in memory, about 300 MB
+# What is stored as the outcome of a solution: an answer is refused or not found. What memory has ended may succeed
+# later, and a defect keeps its traceback
+STORED_ERRORS = (SceneError, RunError)
+BAND_ERRORS = (*STORED_ERRORS, ValueError, ArithmeticError, fem.ConvergenceError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,7 +204,7 @@ class Stators:
         for (fixed, positions, goal), keys in groups.items():
             start_time = time.perf_counter()
             # a band that fails leaves each of its stators to be solved alone, which says why it fails
-            with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+            with suppress(*BAND_ERRORS):
                 solved = self._solved_together(fixed, positions, goal, list(keys))
                 self._solved.update(zip(keys.values(), solved, strict=True))
             self.seconds += time.perf_counter() - start_time
@@ -245,7 +249,7 @@ class Stators:
                 self._solved[key] = SolvedStator.of(
                     motion, positions, goal=goal, coarse=self.coarse, nearby=self.nearby
                 )
-            except Exception as error:
+            except STORED_ERRORS as error:
                 self._solved[key] = error
         solution = self._solved[key]
         if isinstance(solution, Exception):
@@ -268,7 +272,7 @@ def _motion_bands(
     """Return `motion_bands`, or why there are none, so that what fails is tried once."""
     try:
         return motion_bands(stator, limits, positions, tolerance=goal, slider=slider)
-    except Exception as error:
+    except BAND_ERRORS as error:
         return error
 
 

@@ -367,6 +367,39 @@ def test_what_has_no_answer_is_said_each_time_and_tried_once(monkeypatch):
         motors.contact({"slider.mass": -1.0})
 
 
+def test_a_stator_that_memory_has_ended_is_solved_when_it_is_needed_again(monkeypatch):
+    solved, tried, motors = stators.solved_motion, [], Predictor(PLANE, tolerance=3e-2, coarse=True)
+
+    def failing_once(*given, **options):
+        tried.append(given)
+        if len(tried) == 1:
+            raise MemoryError
+        return solved(*given, **options)
+
+    monkeypatch.setattr(stators, "solved_motion", failing_once)
+    with pytest.raises(MemoryError):
+        motors.contact({})
+    assert motors.contact({}).amplitude > 0.0
+    assert len(tried) == 2
+
+
+def test_a_band_that_memory_has_ended_is_tried_again_and_one_without_an_answer_is_not(monkeypatch):
+    outcomes = [MemoryError(), RunError("its error stays large")]  # what is raised by each setup
+
+    def failing(*given, **options):
+        raise outcomes.pop(0)
+
+    monkeypatch.setattr(stators, "motion_bands", failing)
+    model = Predictor(PLANE, tolerance=1e-2).scenes.model({})
+    of_band = stators.Stators(tolerance=1e-2, slider=True, shared=Shared(limits=(2.1e6, 2.3e6), frequencies=20))
+    with pytest.raises(MemoryError):
+        of_band.solve_together([(model, None)])
+    assert len(outcomes) == 1
+    for _ in range(2):  # each frequency is left to be solved alone
+        of_band.solve_together([(model, None)])
+    assert not outcomes
+
+
 # --- stores
 
 
