@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 Item = TypeVar("Item")
-LOGGERS = ("studies", "fem")
+LOGGERS = ("studies", "fem", "contact")
 PATIENCE = 1.0  # s
 MIN_INTERVAL = 0.05  # between two lines without a terminal, relative to the time so far
 MIN_EXPECTED = 5.0  # s: an expected time below is not shown

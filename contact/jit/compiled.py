@@ -274,7 +274,7 @@ def _kept_or_compiled(name, called, make, *arguments):
     does not load, `ORDINARY` says why of what is `called` so, and what was half compiled is compiled afresh.
     """
     try:
-        return _from_file(name) or _compiled_to_file(name, make, arguments)
+        return _from_file(name) or _compiled_to_file(name, called, make, arguments)
     except Exception as failed:
         ORDINARY[called] = f"{type(failed).__name__}: {failed}"
         for kernel in _KERNELS:
@@ -306,23 +306,28 @@ def _from_file(name):
     return None
 
 
-def _compiled_to_file(name, make, arguments):
-    """Return the address of machine code that is compiled now and stored if possible.
+def _compiled_to_file(name, called, make, arguments):
+    """Return the address of machine code that is compiled now, which takes seconds, and stored if possible.
 
-    A process waits for another one that compiles the same.
+    A process waits for another one that compiles the same. What is `called` so is logged before and after.
     """
+    import logging
+
     from contact.jit import compiler
 
-    folder = cache_folder()
+    logger, folder = logging.getLogger(__name__), cache_folder()
+    logger.debug("compiling kernel %s%s", called, "" if folder is None else ", once")
     if folder is None:
-        return _address(getattr(compiler, make)(*arguments, _numba()))
-    path = Path(folder) / name
-    with file_lock(path.with_suffix(".lock")):
-        address = _from_file(name)
-        if address is None:
-            code = getattr(compiler, make)(*arguments, _numba())
-            address = _address(code)
-            _write(path, code)
+        address = _address(getattr(compiler, make)(*arguments, _numba()))
+    else:
+        path = Path(folder) / name
+        with file_lock(path.with_suffix(".lock")):
+            address = _from_file(name)
+            if address is None:
+                code = getattr(compiler, make)(*arguments, _numba())
+                address = _address(code)
+                _write(path, code)
+    logger.debug("kernel %s is compiled", called)
     return address
 
 

@@ -171,8 +171,6 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
         return _limit(driven, "threshold", threshold), threshold
     if driven.passing:
         return SummaryBlock(), math.inf
-    if not contact.kernels.ready():
-        LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
     threshold, release = (
         factor_of(driven.slider, driven.orbits) for factor_of in (contact.threshold_factor, contact.release_factor)
     )

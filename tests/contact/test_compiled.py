@@ -105,6 +105,18 @@ def test_the_first_folder_that_can_be_written_to_keeps_the_kernels(places, tmp_p
     assert not compiled.ORDINARY
 
 
+@pytest.mark.parametrize("kept", [True, False])
+def test_a_kernel_that_is_compiled_is_logged_and_one_that_is_loaded_is_not(places, tmp_path, caplog, kept):
+    if kept:
+        places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    expected = [f"compiling kernel count{', once' if kept else ''}", "kernel count is compiled"]
+    with caplog.at_level("DEBUG", "contact"):
+        answer()
+        assert caplog.messages == expected
+        answer()
+    assert caplog.messages[2:] == ([] if kept else expected)
+
+
 def test_without_a_home_the_kernels_lie_in_a_folder_that_only_the_user_can_write_to(places, tmp_path):
     places.setattr(tempfile, "tempdir", str(tmp_path))
     assert answer()[0] == RIGHT

@@ -95,14 +95,18 @@ def test_a_terminal_shows_the_time_that_goes_on_within_a_step(monkeypatch):
     assert max(times) < 30.0
 
 
-def test_the_compilation_of_the_kernels_is_announced_before_it_begins(monkeypatch):
-    """The threshold, which comes before the first point, waits for the compiler."""
-    compiled, texts = [], []
-    threshold_factor = contact.threshold_factor
-    monkeypatch.setattr("contact.kernels.ready", lambda: bool(compiled))
-    monkeypatch.setattr("contact.threshold_factor", lambda *of: compiled.append(1) or threshold_factor(*of))
+def test_a_kernel_that_is_compiled_is_announced_below_its_step(monkeypatch):
+    """As `contact.jit.compiled` logs it; the threshold, which comes before the first point, waits for the compiler."""
+    threshold_factor, texts = contact.threshold_factor, []
+
+    def compiling(*of):
+        logging.getLogger("contact.jit.compiled").debug("compiling kernel %s, once", "travel")
+        return threshold_factor(*of)
+
+    monkeypatch.setattr("contact.threshold_factor", compiling)
     run(Scene.load("twente-contact").replace(wave={"normal_amplitude": "5 nm"}), progress=texts.append)
-    assert texts[:3] == ["contact", "contact, compiling its kernels, once", "contact, point 1 of 1"]
+    assert texts[:2] == ["contact", "contact, compiling kernel travel, once"]
+    assert "contact, point 1 of 1" in texts[2:]
 
 
 def test_a_counted_computation_says_how_long_the_rest_takes(monkeypatch):
