@@ -13,12 +13,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studies.lab.csv_columns import CsvColumns
+from studies.model.scene_errors import input_errors
+from studies.model.solid_of_material import crystal
 from studies.refusal import SceneError, misread, refuse_if, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 from studies.scene.ranges import MAX_COUNT, read_range
 from studies.scene.rule import Count
+
+MATERIAL_KEYS = ("material", "ball")  # last names of keys that take materials of the catalogue
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,10 @@ def refuse_bad_values(over: dict) -> None:
         rule, column = rule_at(key), axis(key, values).columns[0]
         for number, value in enumerate(column, 1):
             try:
-                rule.read(key, value)
+                read = rule.read(key, value)
+                if key.rpartition(".")[2] in MATERIAL_KEYS:
+                    with input_errors(key):
+                        crystal(read)
             except SceneError as fault:
                 place = f" (value {number} of {len(column)})" if len(column) > 1 else ""
                 faults += [SceneError(f"--over {each.path}", f"{each.rule}{place}") for each in fault.problems]

@@ -83,6 +83,8 @@ def test_page_opens_without_errors_and_covers_nothing(pages, opened, name, width
     assert errors == []
     assert page.evaluate(COVERED) == []
     assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+    if width == WIDTHS["desktop"]:  # the last column of the points was cut
+        assert page.evaluate("() => [...document.querySelectorAll('.wide')].every(e => e.scrollWidth <= e.clientWidth)")
 
 
 def test_the_play_button_pauses_and_plays(pages, opened):

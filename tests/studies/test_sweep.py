@@ -622,6 +622,12 @@ def test_the_command_refuses_bad_values_of_its_axes_before_it_computes_any(tmp_p
     for value, number in (("0.0", 2), ("-0.0001", 3)):
         assert f"--over slider.mass must be positive and finite, got {value} kg (value {number} of 3)" in said
     assert "got 'plastic'; did you mean elastic? (value 2 of 2)" in said
+    axes = ["--over", "slider.ball=steel,stel", "--over", "stator.material=PZT-4,PZT-9"]
+    assert main(["sweep", "twente", *axes, "--out", str(tmp_path / "s")]) == 2
+    said = capsys.readouterr().err  # half of the points were computed before
+    assert "--over slider.ball must be in the catalogue" in said
+    assert "got 'stel'; the nearest known one is 'steel' (value 2 of 2)" in said
+    assert "got 'PZT-9'; the nearest known one is 'PZT-8' (value 2 of 2)" in said
     assert not (tmp_path / "s").exists()
 
 
