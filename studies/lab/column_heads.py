@@ -37,8 +37,8 @@ SPELLINGS = {unit.lower(): unit for unit in (*FREQUENCIES, *PHASES, "dB")} | {
 }  # fmt: skip
 # nouns of instruments' heads for those that are read, with the units that they have then
 NOUNS = (
-    ("voltage", ("u", "v", "drive_voltage", "spannung"), VOLTAGES),
-    ("velocity", ("v", "geschwindigkeit"), VELOCITIES),
+    ("voltage", ("u", "v", "drive_voltage", "v_drive", "u_drive", "spannung"), VOLTAGES),
+    ("velocity", ("v", "speed", "slider_speed", "slider_velocity", "geschwindigkeit"), VELOCITIES),
     ("time", ("t", "zeit"), TIMES),
     ("frequency", ("f", "frequenz"), FREQUENCIES),
     ("position", ("weg",), POSITIONS),
@@ -108,8 +108,8 @@ def head_of_column(text: str, unit: str = "") -> str:
     ('velocity_mm_per_s', 'voltage_V', 'u_z_magnitude_nm_per_V')
     >>> head_of_column("Zeit", "ms"), head_of_column("velocity_mm/s"), head_of_column("slider.preload")
     ('time_ms', 'velocity_mm_per_s', 'slider.preload')
-    >>> head_of_column("V (mV)"), head_of_column("v (mm/s)"), head_of_column("u (nm)")
-    ('voltage_mV', 'velocity_mm_per_s', 'u_nm')
+    >>> head_of_column("V (mV)"), head_of_column("v (mm/s)"), head_of_column("Speed [mm/s]"), head_of_column("u (nm)")
+    ('voltage_mV', 'velocity_mm_per_s', 'velocity_mm_per_s', 'u_nm')
     >>> head_of_column("Voltage (Vpp)"), head_of_column("U_pp / V"), head_of_column("Vrms"), head_of_column("Amplitude")
     ('voltage_Vpp', 'voltage_Vpp', 'voltage_Vrms', 'amplitude')
     """
