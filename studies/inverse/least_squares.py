@@ -1,10 +1,11 @@
-"""Weighted least squares of measurements over a few free numbers, with derivatives by central differences.
+"""Weighted least squares of measurements over a few free numbers, with derivatives by differences.
 
 Residuals are (measured - predicted) over the standard deviation.  A systematic error s of a measurement is one more
 unknown b with the residual b / s; its predictions are multiplied by 1 + b.  `scipy.optimize.least_squares` searches
 for the minimum from the best points of a Latin hypercube.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -114,15 +115,34 @@ class Problem:
         """Return the derivatives by components of x, (n, p), of a function that maps m vectors x to (m, n)."""
         if self.predictor.costly:
             return self._forward(function, np.array(x, float), free)
-        pairs, widths = [], []
+        points, all_weights = [], []
         for j in free:
-            up, down = np.array(x, float), np.array(x, float)
-            step = self._step(j)
-            up[j], down[j] = min(x[j] + step, self.high[j]), max(x[j] - step, self.low[j])
-            pairs += [up, down]
-            widths.append(up[j] - down[j])
-        values = function(pairs)
-        return np.array([(values[2 * k] - values[2 * k + 1]) / width for k, width in enumerate(widths)]).T
+            places, weights = self._difference(j, float(x[j]))
+            for place in places:
+                moved = np.array(x, float)
+                moved[j] = place
+                points.append(moved)
+            all_weights.append(weights)
+        values, ends = function(points), np.cumsum([len(each) for each in all_weights])
+        each_values = np.split(values, ends[:-1])
+        return np.array([weights @ own for weights, own in zip(all_weights, each_values, strict=True)]).T
+
+    def _difference(self, j: int, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return values of component j, and the weights that give the derivative at one value of it.
+
+        Of the only number that needs a new stator they are three neighbours of a fixed grid, through which a parabola
+        is laid: the same stators serve all steps of a search within two of its steps.
+        """
+        step, low, high = self._step(j), self.low[j], self.high[j]
+        alone = j < len(self.parameters) and sum(map(self.needs_stator, self.parameters)) == 1
+        first, last = math.ceil(low / step) + 1, math.floor(high / step) - 1
+        if alone and self.needs_stator(self.parameters[j]) and first <= last:
+            number = min(max(round(value / step), first), last)
+            offset = value / step - number
+            places = step * np.arange(number - 1, number + 2)
+            return places, np.array([offset - 0.5, -2.0 * offset, offset + 0.5]) / step
+        places = np.array([max(value - step, low), min(value + step, high)])
+        return places, np.array([-1.0, 1.0]) / (places[1] - places[0])
 
     def _forward(self, function, x: np.ndarray, free) -> np.ndarray:
         """Return derivatives by differences to one side: the predictor has kept the values at x itself."""

@@ -69,6 +69,30 @@ def test_intervals_of_a_straight_line_are_those_of_the_textbook(monkeypatch):
     assert found.correlation[0, 1] == pytest.approx(expected, abs=1e-3)
 
 
+def test_derivatives_by_a_number_of_the_stator_take_few_stators():
+    """Within its range and at both ends: right to the square of a step, and steps of a search share their stators."""
+    solved = set()
+
+    def formula(x, thickness, b):
+        solved.add(thickness)
+        return x * np.sin(30.0 * np.log(thickness) + 1.0) + b
+
+    model = Model(formula, thickness=1.0, b=2.0)
+    model.needs_stator = lambda key: key == "thickness"
+    free = (Parameter(key="thickness", low=0.9, high=1.1), Parameter(key="b", low=-9.0, high=9.0))
+    data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS, values=LEVELS,
+                       deviations=(1.0,) * len(LEVELS))  # fmt: skip
+    problem = Problem(predictor=model, parameters=free, measurements=(data,))
+    for near in (np.log(0.9), 0.0, np.log(1.1)):
+        solved.clear()
+        inside = near - 3e-4 if near > 0 else near + 3e-4
+        for value in (near, inside, inside + 1e-5):
+            derivatives = problem.jacobian([value, 2.0])
+            assert derivatives[:, 0] == pytest.approx(-30.0 * np.array(LEVELS) * np.cos(30.0 * value + 1.0), rel=1e-3)
+            assert derivatives[:, 1] == pytest.approx(-np.ones(len(LEVELS)), rel=1e-9)
+        assert len(solved) <= 3 + 3
+
+
 def test_a_systematic_error_adds_to_the_interval_as_its_variance_does(monkeypatch):
     """Values y = b x with a common factor known to s: var(ln b) = 1 / sum (b x / sigma)^2 + s^2."""
     model = Model(lambda x, b: b * x, b=2.0)
