@@ -27,6 +27,7 @@ MODULES = (
     "tests.fem.discretize.test_half_space",
     "tests.fem.solve.test_near_force",
     "tests.fem.solve.test_vacuum",
+    "tests.studies.test_waveform",
     "tests.validation.test_rough_balls",
 )
 SAME = 1e-7  # relative: rounding on another machine, in the integrals of the oracles

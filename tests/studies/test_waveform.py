@@ -24,6 +24,7 @@ from studies.record.waveform import modulation
 from studies.remarks.run_warnings import warnings_of
 from studies.runs import run
 from studies.solve.ring_up import ring_up
+from tests.frozen import frozen
 from tests.oracles.contact_motion import Motor
 from tests.studies.settings import changed
 from tests.studies.test_ring_up import chip
@@ -94,42 +95,48 @@ def test_a_slow_modulation_gives_the_mean_of_the_steady_curve():
     assert abs(np.mean(curve) / steady(size, scene) - 1) > 5e-2  # the curve is bent: the mean is another number
 
 
-@pytest.mark.parametrize(
-    ("text", "amplitude", "phase"),
-    [
-        ('shape="ramp",rise="100 us"', lambda t: np.clip(t / 1e-4, 0, 1), lambda t: 0 * t),
-        (
-            'shape="modulated",depth=0.5,frequency="20 kHz",fall="30 us"',
-            lambda t: (1 + 0.5 * np.sin(2 * np.pi * 2e4 * t)) * np.clip((2e-4 - t) / 3e-5, 0, 1),
-            lambda t: 0 * t,
-        ),
-        (
-            'shape="chirp",sweep=["-60 kHz","90 kHz"]',
-            lambda t: 1 + 0 * t,
-            lambda t: 2 * np.pi * (-6e4 * t + 15e4 * t**2 / 4e-4),
-        ),
-    ],
-)
-def test_the_motion_is_that_of_an_independent_integrator(text, amplitude, phase):
-    duration = 2e-4
-    scene = given(f"wave.burst={duration}", f"wave.waveform={{{text}}}")
-    found = motion(scene, tolerance=1e-4)
-    t = np.linspace(0.0, duration, 8001)
-    slider = scene.slider
+DURATION = 2e-4
+# amplitude and phase of each waveform against time, written down a second time
+ENVELOPES = {
+    'shape="ramp",rise="100 us"': (lambda t: np.clip(t / 1e-4, 0, 1), lambda t: 0 * t),
+    'shape="modulated",depth=0.5,frequency="20 kHz",fall="30 us"': (
+        lambda t: (1 + 0.5 * np.sin(2 * np.pi * 2e4 * t)) * np.clip((DURATION - t) / 3e-5, 0, 1),
+        lambda t: 0 * t,
+    ),
+    'shape="chirp",sweep=["-60 kHz","90 kHz"]': (
+        lambda t: 1 + 0 * t,
+        lambda t: 2 * np.pi * (-6e4 * t + 15e4 * t**2 / (2 * DURATION)),
+    ),
+}
+
+
+@frozen([(text,) for text in ENVELOPES])
+def integrated(text):
+    """Time, s, and velocity, m/s, of the light ball once in each cycle of the burst, by `contact_motion`."""
+    t = np.linspace(0.0, DURATION, 8001)
+    amplitude, phase = ENVELOPES[text]
+    slider = given().slider
     motor = Motor(
         mass=slider.mass, preload=slider.preload, frequency=F, normal=(10e-9,), tangential=(-7e-9j,), E=64e9, G=12e9,
         radius=1e-3, normal_damping=0.5, tangential_damping=1e-4, numbers=(0.08, 1.0, 1.0, 0.08, 1.0, np.inf),
         times=tuple(t), amplitude=tuple(amplitude(t)), phase=tuple(phase(t)), tolerance=1e-10,
     )  # fmt: skip
-    times, rows, _ = motor.run(round(duration * F))
-    exact = np.interp(found.time, times, rows[:, 0])
+    times, rows, _ = motor.run(round(DURATION * F))
+    return np.array([times, rows[:, 0]])
+
+
+@pytest.mark.parametrize("text", ENVELOPES)
+def test_the_motion_is_that_of_an_independent_integrator(text):
+    found = motion(given(f"wave.burst={DURATION}", f"wave.waveform={{{text}}}"), tolerance=1e-4)
+    times, velocity = integrated(text)
+    exact = np.interp(found.time, times, velocity)
     clear = found.time >= times[0]
     assert found.velocity[-1] != 0.0
-    within = found.time <= duration * (1 + 1e-9)
+    within = found.time <= DURATION * (1 + 1e-9)
     worst = abs(found.velocity - exact)[clear & within].max() / abs(exact).max()
     assert worst < 2e-3
-    end = np.argmin(abs(found.time - duration))
-    assert found.velocity[end] == pytest.approx(rows[-1, 0], abs=2 * found.answer.error + 2e-4 * abs(rows[-1, 0]))
+    end = np.argmin(abs(found.time - DURATION))
+    assert found.velocity[end] == pytest.approx(velocity[-1], abs=2 * found.answer.error + 2e-4 * abs(velocity[-1]))
 
 
 def test_a_file_gives_what_its_shape_gives(tmp_path):
