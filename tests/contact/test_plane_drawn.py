@@ -7,17 +7,20 @@ import pytest
 
 from contact.plane import burst, mean_forces, steady, threshold_factor
 from tests.contact.plane_motors import drawn
-from tests.oracles.contact_plane import PlaneContact, cycle_means, in_steps
+from tests.oracles.contact_plane import PlaneContact, in_steps, repeated_cycle
 
 
-def forces_on_body(slider, waves, state, rtol):
-    """Return the mean forces (F_x, F_y, moment) of the contacts at a steady state, and its loads, by the oracle."""
+def forces_on_body(slider, waves, state, rtol, starts=None):
+    """Return the mean forces (F_x, F_y, moment) of the contacts at a steady state, its loads, and the deformations.
+
+    By the oracle; ``starts``: the deformations from which it searches its periods.
+    """
     own = slider.contacts(waves.count)
     about = slider.axis if slider.freedom == "axle" else (0.0, 0.0)
     x, y = own.x - about[0], own.y - about[1]
     period = 1.0 / np.gcd.reduce(np.round(waves.frequencies).astype(int))
     at_axis = state.velocity * (slider.freedom != "axle")
-    total, loads = np.zeros(3), np.zeros(waves.count)
+    total, loads, deformations = np.zeros(3), np.zeros(waves.count), list(starts or [None] * waves.count)
     for i in range(waves.count):
         velocity = at_axis + state.yaw_rate * np.array([-y[i], x[i]])
         contact = PlaneContact(
@@ -25,9 +28,9 @@ def forces_on_body(slider, waves, state, rtol):
             tuple(waves.frequencies), waves.amplitudes[:, i], float(state.heights[i]), tuple(velocity),
             slider.shape == "punch",
         )  # fmt: skip
-        loads[i], q_x, q_y, _ = cycle_means(contact, period, rtol)
+        (loads[i], q_x, q_y, _), deformations[i] = repeated_cycle(contact, period, rtol, deformations[i])
         total += q_x, q_y, x[i] * q_y - y[i] * q_x
-    return total, loads
+    return total, loads, deformations
 
 
 def deviation(slider, waves, tolerance, rtol):
@@ -50,7 +53,8 @@ def deviation(slider, waves, tolerance, rtol):
     columns = [(product(at + step * row) - product(at - step * row)) / (2 * step[k]) for k, row in enumerate(np.eye(3))]
     slope = (np.array(columns).T - damping)[np.ix_(free, free)]
     load = np.array([*slider.load, slider.torque])
-    (fine, loads), (rough, _) = (forces_on_body(slider, waves, state, each) for each in (rtol, 30 * rtol))
+    rough, _, starts = forces_on_body(slider, waves, state, 30 * rtol)
+    fine, loads, _ = forces_on_body(slider, waves, state, rtol, starts)
     assert loads.sum() == pytest.approx(slider.preload, rel=1e-8)
     miss = np.linalg.solve(slope, (load + damping @ at - fine)[free])
     own = np.linalg.solve(slope, (fine - rough)[free])

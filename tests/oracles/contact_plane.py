@@ -8,6 +8,7 @@ body by Verlet's method, deformations cut to the disc of radius c z, extrapolate
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -29,21 +30,23 @@ class PlaneContact:
     velocity: tuple[float, float]  # of the body at the contact
     punch: bool = False
 
-    def surface(self, t):
-        """Return displacement (3,) and velocity (3,)."""
-        omega = 2.0 * np.pi * np.array(self.frequencies)[:, None]
-        turning = self.amplitudes * np.exp(1j * omega * t)
-        return turning.real.sum(axis=0), (1j * omega * turning).real.sum(axis=0)
+    @cached_property
+    def exponents(self):
+        """Factors i omega of the waves."""
+        return 2j * np.pi * np.array(self.frequencies)
+
+    def displacement(self, t):
+        """Return the surface's displacement (3,)."""
+        return (np.exp(self.exponents * t) @ self.amplitudes).real
 
     def approach(self, t):
-        return self.height + self.surface(t)[0][2]
+        return self.height + self.displacement(t)[2]
 
     def kinematics(self, t):
         """Return z, z', w, w'."""
-        omega = 2.0 * np.pi * np.array(self.frequencies)[:, None]
-        turning = self.amplitudes * np.exp(1j * omega * t)
-        u, rate = turning.real.sum(axis=0), (1j * omega * turning).real.sum(axis=0)
-        second = (-(omega**2) * turning).real.sum(axis=0)
+        turning = np.exp(self.exponents * t)[:, None] * self.amplitudes
+        factors = np.array([self.exponents**0, self.exponents, self.exponents**2])
+        u, rate, second = (factors @ turning).real
         return self.height + u[2], rate[2], rate[:2] - self.velocity, second[:2]
 
     def load(self, z):
@@ -67,14 +70,23 @@ class _Cycle:
 
     def stick(self, t, stop, e):
         """Follow stick; return (end, e, what comes next)."""
-        c, (u_0, _) = self.contact, self.contact.surface(t)
-        velocity = np.array(c.velocity)
+        c, u_0 = self.contact, self.contact.displacement(t)
+        (e_x, e_y), (v_x, v_y) = (e - u_0[:2]).tolist(), c.velocity
+
+        def followed(s):
+            """Return the approach and both deformations."""
+            x, y, z = c.displacement(s).tolist()
+            return c.height + z, e_x + x - v_x * (s - t), e_y + y - v_y * (s - t)
 
         def deformation(s):
-            return e + c.surface(s)[0][:2] - u_0[:2] - velocity * (s - t)
+            return np.array(followed(s)[1:])
+
+        def size(s):
+            return math.hypot(*followed(s)[1:])
 
         def margin(s):
-            return c.c * c.approach(s) - math.hypot(*deformation(s))
+            z, x, y = followed(s)
+            return c.c * z - math.hypot(x, y)
 
         end, after, step, left = stop, "stop", self.tick / 256, t
         while left < stop:
@@ -89,7 +101,7 @@ class _Cycle:
             left = right
 
         def at(s):
-            z, x = c.approach(s), deformation(s)
+            z, *x = followed(s)
             return np.array([c.load(z), *c.force(z, x), 0.0])
 
         # the force bends where |e| is least; square roots at both ends are taken out by s = t + (end - t) sin^2
@@ -97,14 +109,14 @@ class _Cycle:
         inner = list(np.linspace(t, end, 8 * cycles + 1)[1:-1])
         nodes, weights = np.polynomial.legendre.leggauss(20)
         turn = np.linspace(t, end, 256 * cycles + 1)
-        sizes = [math.hypot(*deformation(s)) for s in turn]
+        sizes = [size(s) for s in turn]
         for least in range(1, len(turn) - 1):
             if not sizes[least - 1] > sizes[least] <= sizes[least + 1]:
                 continue
             low, high = turn[least - 1], turn[least + 1]
             for _ in range(80):
                 third = (high - low) / 3.0
-                if math.hypot(*deformation(low + third)) < math.hypot(*deformation(high - third)):
+                if size(low + third) < size(high - third):
                     high -= third
                 else:
                     low += third
@@ -206,16 +218,24 @@ class _Cycle:
 
 def cycle_means(contact: PlaneContact, period: float, rtol: float = 1e-9) -> np.ndarray:
     """Return the means of (P, Q_x, Q_y, slip power) over a period in which the contact repeats."""
+    return repeated_cycle(contact, period, rtol)[0]
+
+
+def repeated_cycle(contact: PlaneContact, period: float, rtol: float, start: np.ndarray | None = None):
+    """Return the means of a period in which the contact repeats, and its deformation where the period begins.
+
+    ``start``: the deformation of a contact that always touches from which the search begins, by default none.
+    """
     grid = np.linspace(0.0, period, 4096, endpoint=False)
     lowest = grid[int(np.argmin([contact.approach(t) for t in grid]))]
-    e = None if contact.approach(lowest) <= 0.0 else np.zeros(2)
+    e = None if contact.approach(lowest) <= 0.0 else np.zeros(2) if start is None else start
     last = 0.0
     for count in range(200):
         run = _Cycle(contact, rtol)
         new = run.follow(lowest, lowest + period, e)
         change = 0.0 if e is None else math.hypot(*(new - e))
         if e is None or change < 1e-10 * contact.c * contact.approach(lowest):
-            return run.sums / period
+            return run.sums / period, new
         share = change / last if last > 0.0 else 0.0
         e, last = new + (new - e) * (share / (1.0 - share) if count % 4 == 3 and share < 0.999 else 0.0), change
     raise RuntimeError("the contact does not repeat")
