@@ -81,7 +81,8 @@ def own_units(source, units):
     """The texts of a module that end a phrase with a unit in parentheses, but docstrings, findings and refusals."""
     tree = ast.parse(source)
     elsewhere = [node for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
-    elsewhere += [node for node in ast.walk(tree) if isinstance(node, ast.Call) and ast.unparse(node.func) == "judged"]
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name))
+    elsewhere += [node for node in calls if node.func.id == "judged"]
     elsewhere += [node for node in ast.walk(tree) if isinstance(node, ast.Raise)]
     left_out = {id(inner) for node in elsewhere for inner in ast.walk(node)}
     texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
