@@ -87,8 +87,8 @@ DIGITS = 12  # of lengths in m that are compared
 FEWER_NODES = 2
 # The same about the tips of fingers that end within the aperture, on both sides of each and beside half a gap; and the
 # smallest difference of two lengths, in periods.  Largest error of |u_z| over its maximum, on the middle line of 5
-# pairs of 8 wavelengths whose fingers end in a cosine, at 0.5 and at 0.8 of the aperture: 0.04, 0.04 and 0.3 %, of the
-# strips' sections 0.8, 2.7 and 3.4 % (boundary elements, tests/validation/test_finite_fingers.py).
+# pairs of 8 wavelengths whose fingers end in a cosine, at 0.5 and at 0.8 of the aperture: 0.11, 0.04 and 0.3 %, of the
+# strips' sections 2.0, 2.7 and 3.4 % (boundary elements, tests/validation/test_finite_fingers.py).
 TIPS = ((0.5, 1.3, 2.5), (1.0,), ())
 SAME_END = 0.02
 SHORTEST_SHEET = 0.2  # fraction of the aperture; shorter sheets are omitted

@@ -38,7 +38,8 @@ class Sizes:
     """Dimensions of a mask in m that a scene does not contain. None selects the default for each transducer."""
 
     busbar: float | None = None  # width of a busbar; by default one period
-    end_gap: float | None = None  # from a finger's end to the other comb's busbar; by default the gap of two fingers
+    # from a finger's end to the other comb's busbar or dummy finger; by default the gap of two fingers
+    end_gap: float | None = None
     pad: float | None = None  # side of a square pad, 0 for none; by default four periods, less if the chip is too small
     mark: float = 2e-4  # length of an alignment cross, 0 for none
     margin: float = 3e-4  # distance from the centre of a cross to the edges of the chip
@@ -154,16 +155,20 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
         # overlap with the busbar, so that rounding cannot separate finger and busbar
         extension = gap + busbar / 2
         low, high = half_aperture + extension * (sign == "-"), half_aperture + extension * (sign == "+")
-        tip = overlap * half_aperture  # beyond it, and a gap, a dummy finger of the other comb comes to meet it
+        # a gap about the tip, where the beam's model has it (`fem.beam.own_aperture.tips`), then a dummy finger of the
+        # other comb; a finger beyond whose tip half a gap does not fit goes to the end
+        tip = overlap * half_aperture
+        ends_before = tip + gap / 2 < half_aperture
+        end = tip - gap / 2 if ends_before else half_aperture
         if sign == "+":
-            yield polygon("fingers", "+", left, right, -tip, high)
+            yield polygon("fingers", "+", left, right, -end, high)
         elif sign == "-":
-            yield polygon("fingers", "-", left, right, -low, tip)
+            yield polygon("fingers", "-", left, right, -low, end)
         elif sign == "o":
             yield polygon("fingers", "o", left, right, -low, high)
         outer = half_aperture + extension
-        if sign in "+-" and tip + gap < half_aperture:
-            ends = (tip + gap, outer) if sign == "-" else (-outer, -tip - gap)
+        if sign in "+-" and ends_before:
+            ends = (tip + gap / 2, outer) if sign == "-" else (-outer, -tip - gap / 2)
             yield polygon("fingers", "+" if sign == "-" else "-", left, right, *ends)
     reach = 1.0 + abs(block.slant) * (half_aperture + gap + busbar) / block.aperture
     first, last = reach * first, reach * last

@@ -592,8 +592,9 @@ class Transducer(Block):
         str | tuple[float, ...] | None,
         choice(*WINDOWS) | Listed(Quantity(least=0.0, most=1.0)),
         "How far each finger reaches over the aperture, from 0 to 1: one number for each or for all, or cosine or "
-        "hamming over the length of the transducer. Fingers + end at y = -a aperture/2, fingers - at a aperture/2, and "
-        "dummy fingers of the other electrode go on from there. Absent: 1.",
+        "hamming over the length of the transducer. Fingers + end at y = -a aperture/2, fingers - at a aperture/2, in "
+        "the middle of a gap beyond which a dummy finger of the other electrode goes on; where half the gap does not "
+        "fit before the end of the aperture, at that end. Absent: 1.",
     ] = None
     slant: Annotated[
         float,

@@ -138,8 +138,9 @@ def test_uneven_fingers(kind, pairs):
 def test_apodised_fingers(window, limits):
     """On the middle line, where only the even part of the potentials acts: along a finger V to its tip, 0 beyond it.
 
-    Between them the potential falls in a straight line over the width of a gap between fingers.  The strips' sections
-    alone err by 0.8 to 4 % of the largest |u_z|.
+    Between them the potential falls in a straight line over the width of a gap between fingers.  A finger beyond whose
+    tip half a gap does not fit goes to the end, as the longest two of the cosine do.  The strips' sections alone err by
+    2 to 4 % of the largest |u_z|.
     """
     aperture, count = 8e-3, 10
     found = solved(
@@ -147,13 +148,14 @@ def test_apodised_fingers(window, limits):
         f"transducer.0.apodisation={window}",
     ).surface_motion  # fmt: skip
     reach = np.full(count, window) if window != "cosine" else np.sin(np.pi * (np.arange(count) + 0.5) / count)
+    reach = np.where((1.0 - reach) * aperture / 2 < PERIOD / 8, 1.0, reach)
     row = FiniteFingers(
         response=response(5e-3), count=count, pitch=PERIOD / 2, half_width=PERIOD / 8, half_length=aperture / 2,
         across=3, along=60,
     )  # fmt: skip
     orders, tested = 2 * np.arange(1, row.along), row.constant(np.zeros(count))
     for offset in (np.arange(12) - 5.5) / 12 * PERIOD / 4:
-        angle = np.arccos(np.clip(reach + offset / (aperture / 2), 0.0, 1.0))
+        angle = np.where(reach < 1.0, np.arccos(np.clip(reach + offset / (aperture / 2), 0.0, 1.0)), 0.0)
         own = [1 - 2 / np.pi * angle, *(2 / np.pi * (np.sin(n * np.pi / 2) - np.sin(n * angle)) / n for n in orders)]
         tested[:, 0] += np.tile([0.5, -0.5], count // 2)[:, None] * np.transpose(own) / 12
     charges = row.charges(tested, np.ones((1, count)))
