@@ -20,7 +20,7 @@ PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of 
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
 LEGEND_WIDTH = 1.6  # inches of an entry of a legend below the axes
-NUMBER_AND_UNIT = re.compile(r"(?<=\d) (?=(?:[fpn\u00b5umkMG]?(?:Hz|m|V|N|s|W|g|Pa|ohm)|%|mm/s|m/s)(?:\W|$))")
+NUMBER_AND_UNIT = re.compile(r"(?<=\d) (?=(?:[fpn\u00b5umkMG]?(?:Hz|m|V|N|s|W|g|Pa|ohm)|%|mm/s|m/s|1/min|rpm)(?:\W|$))")
 BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}  # of words over curves
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 
@@ -66,9 +66,35 @@ def lay_out(figure) -> None:
     if len(figure.axes) == 1:  # neither colour bar nor second axis: one pass of the layout, in half the time
         figure.set_layout_engine("tight", pad=0.3)
     figure.get_layout_engine().execute(figure)
-    if any([_ticks_kept(ax) for ax in figure.axes]):
+    if any([_ticks_kept(ax) for ax in figure.axes]) or _beyond_left(figure):
         figure.get_layout_engine().execute(figure)
     figure.set_layout_engine(None)
+    _words_within(figure)
+
+
+def _beyond_left(figure) -> bool:
+    """Return whether the label of a y axis leaves the picture: the ticks at the final size may be longer."""
+    renderer = figure.canvas.get_renderer()
+    boxes = [ax.yaxis.get_tightbbox(renderer) for ax in figure.axes]
+    return any(box is not None and box.x0 < 0.0 for box in boxes)
+
+
+def _words_within(figure) -> None:
+    """Move titles along their axes, and labels of y axes, so far that they lie in the picture and apart.
+
+    A layout leaves room beside the axes, not beyond the ends of words that are longer than these.
+    """
+    for ax in figure.axes:
+        ax.apply_aspect()
+        title = ax.title.get_window_extent()
+        shift = max(0.0, -title.x0) - max(0.0, title.x1 - figure.bbox.width)
+        ax.title.set_x(ax.title.get_position()[0] + shift / ax.bbox.width)
+        label = ax.yaxis.label
+        box = label.get_window_extent()
+        below = ax.title.get_text() and title.x0 + shift < box.x1 and box.x0 < title.x1 + shift
+        top = title.y0 if below else figure.bbox.height
+        down = min(max(0.0, box.y1 - top), box.y0) if box.y0 > 0.0 else box.y0
+        label.set_y(label.get_position()[1] - down / ax.bbox.height)
 
 
 def _ticks_kept(ax) -> bool:

@@ -62,6 +62,24 @@ def test_a_map_with_equal_scales_is_legible_although_its_height_and_ticks_follow
     assert_legible(figure)
 
 
+@pytest.mark.parametrize("share", [0.65, 1.0])
+def test_words_that_are_longer_than_their_axis_lie_in_the_picture(share):
+    """The title of a beam on a narrow chip beside its colour bar, and the label of a low axis, were cut."""
+    figure, ax = new_figure(share * SIZE[0], share * SIZE[1], dpi=DPI)
+    x, y = np.linspace(0.0, 14.0, 20), np.linspace(-12.5, 12.5, 20)
+    figure.colorbar(ax.pcolormesh(x, y, np.outer(y, x)), ax=ax, label="|u_z| (nm/V)")
+    ax.set_aspect("equal")
+    title = "small motor\nbeam: |u_z|, peak, per volt; white: apertures; points: the slider's contacts"
+    finished(ax, "x along the surface (mm)", "y across the surface (mm)", title, columns=0, grid=False)
+    lay_out(figure)
+    assert_legible(figure)
+    figure, ax = new_figure(share * SIZE[0], share * SIZE[1], dpi=DPI)
+    ax.plot([0.0, 1.0], label="|u_z|")
+    finished(ax, "x along the surface (mm)", "amplitude per volt, peak (nm/V)", "two\nlines")
+    lay_out(figure)
+    assert_legible(figure)
+
+
 @pytest.mark.parametrize("count", [1, 8, 20])
 def test_the_power_below_pillars_is_legible_at_every_number_of_levels(count):
     points = [
