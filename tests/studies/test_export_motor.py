@@ -72,6 +72,23 @@ def test_a_burst_and_its_stop_are_those_of_contact(amplitude):
     assert np.abs(velocity - truth.velocity[1:]).max() < 5e-5 * steady(amplitude)
 
 
+@pytest.mark.parametrize("step", [2e-6, 1e-5, 1e-4])
+def test_a_drive_that_rises_slowly_starts_the_slider_as_a_sudden_one_does(step):
+    """It stayed at rest while the bounce of each small change was dead: up to the full drive, and for ever after."""
+    light = averaged_motor(Scene.load("twente-contact").replace(slider={"mass": "1 mg", "preload": "0.873 mN"}))
+    rise, top = 1e-3, 10e-9
+    envelope = contact.Envelope(time=np.array([0.0, rise]), amplitude=np.array([0.0, 1.0]), phase=np.zeros(2))
+    truth = contact.burst(
+        light.slider, light.orbits_at(top), duration=1.5 * rise, after=0.0, tolerance=1e-4, samples=300,
+        method="stepped", envelope=envelope,
+    )  # fmt: skip
+    state = light.start()
+    for time in np.arange(round(1.5 * rise / step)) * step:
+        state.advance(step, top * min(1.0, (time + 0.5 * step) / rise))
+        exact = np.interp(time + step, truth.time, truth.velocity)
+        assert state.velocity == pytest.approx(exact, abs=2e-2 * abs(truth.velocity[-1])), time
+
+
 def test_a_load_that_is_taken_off_is_followed_as_by_contact():
     # the averaged velocity obeys an autonomous equation: after the load is gone the motion is that from rest, later
     loaded = replace(motor().slider, load=0.3 * motor().slider.preload * motor().slider.friction_coefficient)

@@ -72,19 +72,41 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
 
 
 @compiled
+def update_limits(p: Array, tables: Array, state: Array, load: float) -> float:
+    """Store the deformations at which contacts on a steady wave slip, once for each wave and preload; return 0."""
+    if state[index.DEPTH] <= 0.0:
+        drive: int = int(state[index.ACTIVE])
+        h = state[index.APPROACH]
+        s = state[index.SURFACE]
+        state[index.DEPTH] = rest_approach(p, tables, load)
+        state[index.LOWEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 1))
+        state[index.HIGHEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 0))
+    return 0.0
+
+
+@compiled
+def rests(p: Array, tables: Array, state: Array, force: float, preload: float) -> float:
+    """Return 1 if a sticking slider on a steady wave without bounce stays where it is, else 0.
+
+    Its contacts carry the external force within the limits of slip: a wave above the threshold has none about zero.
+    """
+    if state[index.VELOCITY] != 0.0 or abs(state[index.FORCE] + force) > 1e-12 * p[index.FRICTION] * preload:
+        return 0.0
+    drive: int = int(state[index.ACTIVE])
+    update_limits(p, tables, state, steady_load(p, tables, drive, state[index.APPROACH], state[index.SURFACE], preload))
+    x = state[index.DEFORMATION]
+    return 1.0 if x > state[index.LOWEST] and x < state[index.HIGHEST] else 0.0
+
+
+@compiled
 def hold(p: Array, tables: Array, state: Array, force: float, preload: float, duration: float) -> float:
     """Advance a sticking slider on a steady wave without bounce; return the rest of the duration, s.
 
     It ends before the contacts slip.  A step ends at zero deformation, where the second derivative of the force jumps.
     """
     drive: int = int(state[index.ACTIVE])
-    h = state[index.APPROACH]
-    s = state[index.SURFACE]
-    load = steady_load(p, tables, drive, h, s, preload)
-    if state[index.DEPTH] <= 0.0:
-        state[index.DEPTH] = rest_approach(p, tables, load)
-        state[index.LOWEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 1))
-        state[index.HIGHEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 0))
+    load = steady_load(p, tables, drive, state[index.APPROACH], state[index.SURFACE], preload)
+    update_limits(p, tables, state, load)
     limit = p[index.FRICTION] * load
     inverse = 1.0 / (p[index.LIMIT_SLOPE] * state[index.DEPTH])
     x = state[index.DEFORMATION]

@@ -9,7 +9,7 @@ from studies.export.reduced_motor.contact_spring import spring_deformation
 from studies.export.reduced_motor.force_tables import bounded, steady_load
 from studies.export.reduced_motor.index import Array
 from studies.export.reduced_motor.sliding import glide, slip_step
-from studies.export.reduced_motor.sticking import hold, stick_step
+from studies.export.reduced_motor.sticking import hold, rests, stick_step
 from studies.export.reduced_motor.surface_wave import change_drive, forget, wave
 
 
@@ -96,10 +96,8 @@ def advance(p: Array, tables: Array, state: Array, level: float, force: float, p
         if unsettled == 0.0 and state[index.BOUNCES] < 0.5:
             if state[index.STICKS] < 0.5:
                 done = duration - glide(p, tables, state, force, preload, duration - done)
-            elif (
-                state[index.VELOCITY] == 0.0 and abs(state[index.FORCE] + force) <= 1e-12 * p[index.FRICTION] * preload
-            ):
-                done = duration  # at rest
+            elif rests(p, tables, state, force, preload) > 0.5:
+                done = duration
             else:
                 done = duration - hold(p, tables, state, force, preload, duration - done)
             state[index.TIME] = start + done
