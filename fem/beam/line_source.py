@@ -228,14 +228,16 @@ class LineSource:
 
         The integral over k_y of a charge is a Laplace transform: sum of arctan(b / |x|) / pi for u_x and difference of
         log(x^2 + b^2) / 2 pi for u_y, with b = ``above`` and ``below``.  That of a force is minus its slope in |x|.
+        The sum of both arctan is the angle of (|x| + i above) (|x| + i below).
         """
-        squares = distance**2 + above**2, distance**2 + below**2
+        square = distance**2
+        squares = square + above**2, square + below**2
         if self.load == "x":
             inward = above / squares[0] + below / squares[1]
             sideways = distance / squares[1] - distance / squares[0]
         else:
-            inward = np.sign(distance) * (np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance)))
-            sideways = 0.5 * np.log(squares[0] / squares[1])
+            angle = np.arctan2((above + below) * abs(distance), square - above * below)
+            inward, sideways = np.sign(distance) * angle, 0.5 * np.log(squares[0] / squares[1])
         return inward * (self.static / np.pi), sideways * (self.static / np.pi)
 
     def _lasting(self, distance: float, resolved: float) -> np.ndarray:

@@ -78,8 +78,9 @@ def call(arguments: argparse.Namespace) -> int:
             done.write(result.folder)
             result.commit()
             if done.pictures and not arguments.no_plot:
-                from studies.record.plots import saved
+                from studies.record.plots import leave_out_property_tables, saved
 
+                leave_out_property_tables()
                 with committed_pictures(result):
                     for file, draw in done.pictures.items():
                         saved(result.folder / file, draw)

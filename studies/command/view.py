@@ -42,6 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
+    from studies.record.plots import leave_out_property_tables
+
+    leave_out_property_tables()
     from studies.report.explained_calls import explained_view, field_seconds
     from studies.view import view as show
     from studies.view.run_field import saved_run

@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.record import Record
+from studies.record.plots import leave_out_property_tables
 from studies.record.run_pictures import draw_run, pictures
 from studies.refusal import RunError
 
@@ -61,11 +62,7 @@ class Drawing:
 
 def serve() -> None:
     """Read a request from stdin and draw it; this is the main function of the drawing process."""
-    import matplotlib.artist
-
-    # Tables of properties, which matplotlib writes into its docstrings: a quarter of the time of its import.
-    matplotlib.artist.kwdoc = lambda artist: ""
-    import matplotlib.figure
+    leave_out_property_tables()
 
     request = sys.stdin.buffer.read()
     if not request:  # the run ended without pictures, so that no answer is expected
