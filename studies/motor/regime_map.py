@@ -28,6 +28,7 @@ from studies.study_list import Answered, Panel, driven_contact, judged, of_recor
 LOGGER = logging.getLogger(__name__)
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
+MARGIN = 1.05  # of the axis of amplitudes beyond its first and last point
 KINDS = ("stick", "slip", "intermittent", "hopping")
 HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
@@ -157,7 +158,7 @@ def figure(record: Panel, ax):
         curve(ax, np.asarray(values) * across.scale, preload, style, "line", f"{name}{whose} (theory)")
     operating = np.asarray(data["operating_amplitude_m"]) * across.scale
     own(ax, operating, np.full(operating.size, data["operating_preload_N"] * up.scale), "operating points")
-    ax.set_xlim(A[0], A[-1])
+    ax.set_xlim(A[0] / MARGIN, A[-1] * MARGIN)  # no mark is cut by the frame
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
     return finished(ax, across.axis, up.axis, record.title, grid=False)

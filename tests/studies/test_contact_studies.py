@@ -89,6 +89,12 @@ def test_regime_map_lies_on_its_lines():
     assert_legible(ax.figure)
     assert "nm" in ax.get_xlabel()
     assert "mN" in ax.get_ylabel()
+    marks = [each for each in ax.lines if each.get_marker() not in ("", "None", None)]
+    for each in marks:  # the outermost ones were cut by the frame
+        x, _ = each.get_transform().transform(each.get_xydata()).T
+        half = 0.5 * each.get_markersize() * ax.figure.dpi / 72.0
+        assert ax.bbox.x0 <= x.min() - half
+        assert x.max() + half <= ax.bbox.x1
 
 
 def test_a_slider_sticks_while_some_of_its_balls_slip(monkeypatch):
