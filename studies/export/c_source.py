@@ -96,6 +96,6 @@ def generated(motor: OfScene, equations: ModuleType, interface: str, what: str) 
 
 def array(name: str, values: np.ndarray, digits: int) -> str:
     """Return an array of constants in C."""
-    texts = [f"{value:.{digits}g}" for value in values]
+    texts = [f"{value:.{digits}g}" for value in values.tolist()]
     lines = [",".join(texts[k : k + PER_LINE]) for k in range(0, len(texts), PER_LINE)]
     return f"static const double {name}[{len(texts)}] = {{\n" + ",\n".join(lines) + "\n};"

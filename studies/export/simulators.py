@@ -159,7 +159,7 @@ def _response_table(drive, drive_head: str, label: str) -> dict[str, str]:
 
 
 def _rows(table: np.ndarray) -> str:
-    return "\n".join(",".join(f"{value:.9g}" for value in row) for row in table) + "\n"
+    return "\n".join(",".join(f"{value:.9g}" for value in row) for row in table.tolist()) + "\n"
 
 
 def _planar(scene: Scene, tolerance: float) -> FmuModel:
