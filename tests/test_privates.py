@@ -12,13 +12,14 @@ import pytest
 TESTS = Path(__file__).parent
 CALLS = {"setattr", "delattr", "getattr", "hasattr", "object", "patch", "import_module"}
 PRIVATE = re.compile(r"(?:^|\.)_[a-zA-Z]\w*$")
+QUOTED = re.compile(r"""["'.]_[a-zA-Z]\w*["']""")  # as it ends a string of a source
 PATHS = sorted(TESTS.rglob("*.py"))
 
 
 def private_names(text: str) -> list[str]:
     """Return the private names that are given as strings to calls that look up or replace an attribute."""
     found = []
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(ast.parse(text)) if QUOTED.search(text) else ():
         if isinstance(node, ast.Call):
             called = getattr(node.func, "attr", getattr(node.func, "id", ""))
             words = [each.value for each in node.args[:2] if isinstance(each, ast.Constant)]

@@ -36,11 +36,13 @@ def parts(node: ast.AST) -> str | None:
 
 def sentences(source: str) -> list[tuple[str, int]]:
     """Return what stands from "must" on in the strings of a module, documentation left out, and their lines."""
-    tree = ast.parse(source)
-    skipped = {id(x.value) for x in ast.walk(tree) if isinstance(x, ast.Expr) and isinstance(x.value, ast.Constant)}
-    skipped |= {id(y) for x in ast.walk(tree) if isinstance(x, ast.JoinedStr) for y in ast.walk(x) if y is not x}
+    if "must" not in source:
+        return []  # nothing to parse
+    nodes = list(ast.walk(ast.parse(source)))
+    skipped = {id(x.value) for x in nodes if isinstance(x, ast.Expr) and isinstance(x.value, ast.Constant)}
+    skipped |= {id(y) for x in nodes if isinstance(x, ast.JoinedStr) for y in ast.walk(x) if y is not x}
     found = []
-    for node in ast.walk(tree):
+    for node in nodes:
         text = None if id(node) in skipped else parts(node)
         if text is not None and (start := re.search(r"\bmust\b", text)):
             found.append((normalised(text[start.start() :]), node.lineno))

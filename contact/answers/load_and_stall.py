@@ -143,7 +143,7 @@ def mean_traction(slider: Slider, orbits: Surface, velocities: np.ndarray) -> np
 def _unloaded(slider: Slider, orbits: Surface):
     """Return (drive direction, problem without load whose crests drive towards +x, its unit of force in N)."""
     slider, listed = prescribed(slider, orbits)
-    free = replace(slider, load=0.0)
+    free = slider if slider.load == 0.0 else replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY, memory=slider.law == "hysteretic")
     side, driven = towards_plus(listed)
     problem = scaled(free, driven, direction=1.0, start=0.0)

@@ -44,9 +44,8 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     """
     size = drive.amplitude
     height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
-    slider = replace(
-        slider, adhesion=None
-    )  # friction feels the elastic force alone; `reduced_motor` has the attraction
+    if slider.adhesion is not None:
+        slider = replace(slider, adhesion=None)  # friction feels the elastic force alone: `reduced_motor` has the other
     loads = [contact.mean_load(height, abs(orbit.normal), slider.profile) for orbit in drive.orbits]
     preload = slider.normal_stiffness * sum(loads)
     exponent = force_exponent(slider)
