@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -30,7 +31,7 @@ class SceneFile:
 
     path: Path
     table: dict = field(repr=False)  # its keys and values
-    lines: dict[str, int] = field(repr=False)  # line of every dotted key
+    text: str = field(repr=False)
     # Keys that the command line changed: their faults are not in the file
     changed: tuple[str, ...] = ()
 
@@ -41,12 +42,17 @@ class SceneFile:
         text = _text(path)
         try:
             table = _with_absolute_paths(tomllib.loads(text), path)
-            return cls(path=path, table=table, lines=key_lines(text))
+            return cls(path=path, table=table, text=text)
         except tomllib.TOMLDecodeError as error:
             line, sentence = explained(text, error)
             raise SceneError("", sentence, f"{path}, line {line}") from None
         except (RecursionError, ValueError) as error:
             raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
+
+    @cached_property
+    def lines(self) -> dict[str, int]:
+        """Line of every dotted key; half of the time of reading, for messages alone."""
+        return key_lines(self.text)
 
     def replaced(self, key: str, value: Any) -> Self:
         """Return the file with the value at a dotted key replaced."""
