@@ -57,6 +57,8 @@ DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
 HELD_RINGS = 2.0  # largest rate in the ring of a held slider over that at the instants of its start
+CREEPS = 0.3  # damping rate over the resonance above which the height follows the waves without a bounce to speak of
+FADED = 0.1  # size of waves that have faded after a burst, over that at its end
 ROUNDING = 1e-9  # of the largest speed: rates below it are none
 INSTANTS = 12  # of a motion, at which two computations of it are compared
 MAX_LAGS, LEVELS = 100_000, 17  # instants and levels of the waves at which a lag of the height is known
@@ -471,7 +473,11 @@ def _relative_error(question, begin):
 
 
 def _height_lag(question, begin):
-    """Return the largest relative change of the load, after a time, by which the height lags behind the waves."""
+    """Return the largest relative change of the load, after a time, by which the height lags behind the waves.
+
+    The end of waves that fade within a period of the bounce is left out: `_of_bounces` has the bounce that it makes.
+    Dampers by which the height creeps to its mean keep it: what they carry on a ramp is not estimated otherwise.
+    """
     slider, shape, waves = question.slider, question.shape, question.waves
     time = shape.time if shape.time.size < MAX_LAGS else np.linspace(0.0, shape.end, MAX_LAGS)
     levels = np.sqrt(np.mean([np.interp(time, shape.time, each) ** 2 for each in shape.amplitude], axis=0))
@@ -484,10 +490,16 @@ def _height_lag(question, begin):
     damping = (slider.normal_damping + slider.contact_damping * slider.preload) / (2.0 * slider.unit_mass)
     pole = complex(-damping, math.sqrt(max(resonance**2 - damping**2, 0.0)))
     width = np.diff(time)
+    faded = (time > question.duration) & (levels < FADED * np.interp(question.duration, time, levels))
+    fades = float(time[faded][0]) - question.duration if faded.any() else 0.0
+    bounces = fades < 2.0 * math.pi / resonance and damping < CREEPS * resonance
+    last = question.duration * (1.0 - ROUNDING) if bounces else math.inf
     # its speed at a knot changes by that of the height at which it would rest
     jumps, turns = np.diff(np.diff(at_rest) / width), np.exp(pole * width[1:])
     state, largest = 0j, 0.0
     for t, jump, turn in zip(time[1:-1], jumps, turns, strict=True):
+        if t >= last:
+            break
         state -= jump
         if t + 1.0 / resonance >= begin:
             largest = max(largest, abs(state))

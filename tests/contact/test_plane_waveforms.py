@@ -109,6 +109,21 @@ def test_a_wave_that_fades_after_the_burst_moves_on():
     assert np.hypot(*(whole.velocity[-1] - stopped.velocity[-1])) > 0.1 * np.hypot(*whole.velocity[-1])
 
 
+@pytest.mark.parametrize("after", [0.0, 1e-3])
+def test_waves_that_end_at_once_do_not_add_to_the_lag_of_the_height(after):
+    """Their end counted as a ramp of some microseconds: an error of several times the velocity was stated."""
+    slider, waves = ball(mass=0.089e-3, normal_damping=0.5), beams(10, 6, 0.5)
+    rises = Envelope(time=[0.0, 1e-3, 4e-3], amplitude=[0.0, 1.0, 1.0], phase=[0.0] * 3)
+    fading = np.linspace(0.0, 1e-4, 41)
+    given = dict(
+        duration=4e-3, after=after, samples=8, envelope=rises, ring_down=shaped(np.exp(-fading / 1e-5), 0.0, fading)
+    )
+    averaged = burst(slider, waves, tolerance=1e-1, method="averaged", **given)
+    exact = burst(slider, waves, tolerance=1e-3, method="exact", **given)
+    assert averaged.relative_error < 5e-2
+    assert np.all(np.abs(averaged.velocity - exact.velocity) <= 2 * (averaged.error + exact.error)[:2])
+
+
 RAMP = Envelope(time=[0.0, 1e-3, 3e-3, 4e-3], amplitude=[0.0, 1.0, 1.0, 0.0], phase=[0.0] * 4)
 SLOW = np.linspace(0.0, 4e-3, 401)
 PAUSES = shaped(1.0 + np.sin(2.0 * np.pi * 500.0 * SLOW), 0.0, SLOW)  # below the threshold for a while
