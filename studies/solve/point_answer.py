@@ -70,7 +70,8 @@ class SliderAnswer:
         if error.relative is None or error.relative <= tolerance:
             return ""
         stator, contact = error.parts["stator"], error.parts["contact"]
+        wider = ", or give a larger tolerance" if error.relative < 1.0 else ""  # a tolerance is below 1
         return (
             f"the velocity's error is {error.relative:.1e} (stator {stator:.1e}, contact {contact:.1e}), "
-            f"{tolerance:.1e} was asked for: see error.parts, or give a larger tolerance"
+            f"{tolerance:.1e} was asked for: see error.parts{wider}"
         )

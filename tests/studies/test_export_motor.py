@@ -38,6 +38,11 @@ def motor():
 
 
 @cache
+def light_motor():
+    return averaged_motor(Scene.load("twente-contact").replace(slider={"mass": "1 mg", "preload": "0.873 mN"}))
+
+
+@cache
 def built(version):
     """The FMU of this version of the standard, with its machine code, and what is remarked on it."""
     return fmu(motor(), version)
@@ -75,7 +80,7 @@ def test_a_burst_and_its_stop_are_those_of_contact(amplitude):
 @pytest.mark.parametrize("step", [2e-6, 1e-5, 1e-4])
 def test_a_drive_that_rises_slowly_starts_the_slider_as_a_sudden_one_does(step):
     """It stayed at rest while the bounce of each small change was dead: up to the full drive, and for ever after."""
-    light = averaged_motor(Scene.load("twente-contact").replace(slider={"mass": "1 mg", "preload": "0.873 mN"}))
+    light = light_motor()
     rise, top = 1e-3, 10e-9
     envelope = contact.Envelope(time=np.array([0.0, rise]), amplitude=np.array([0.0, 1.0]), phase=np.zeros(2))
     truth = contact.burst(

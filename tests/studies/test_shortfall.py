@@ -5,8 +5,10 @@ import pytest
 from fem import ConvergenceError
 from fem.discretize import mesh_refinement
 from fem.solve import driven_stator
+from studies.record.point import Point
 from studies.runs import run
 from studies.scene import Scene, read_table
+from studies.solve.point_answer import PointAnswer, SliderAnswer
 
 
 @pytest.fixture
@@ -57,3 +59,13 @@ def test_a_level_that_has_no_answer_leaves_the_one_below(monkeypatch, table):
     assert record.surface_wave.solution.fields.resolution == mesh_refinement.LEVELS[1]
     assert 1e-4 < record.error["relative"] < 0.1
     assert "was asked for" in record.shortfall
+
+
+def test_a_larger_tolerance_is_advised_only_where_there_is_one():
+    """A tolerance is below 1; an error of 390 % was answered with that advice too."""
+    point = Point(voltage_V=40.0, velocity_m_per_s=0.1, relative_error=0.5, status="above tolerance")
+    for size, advised in ((0.5, True), (3.9, False)):
+        answer = SliderAnswer(answers=(PointAnswer(point=point, from_contact=size),))
+        said = answer.shortfall(1e-2)
+        assert f"error is {size:.1e}" in said
+        assert ("larger tolerance" in said) == advised
