@@ -25,11 +25,13 @@ from tests.studies.scene_mutations import SMALL, Mutant, bases, document, extrem
 pytestmark = pytest.mark.filterwarnings("ignore:Generating overly large repr")
 QUIET = {"deadline": None, "database": None, "suppress_health_check": list(HealthCheck), "phases": [Phase.generate]}
 SECONDS = 30.0  # of processor time, the longest that an answer or a refusal may take unless it was predicted
-WAIT = 240.0  # s on the clock, of a machine that others use too
-RUNS = """
+WAIT = 240.0  # s on the clock, of a machine that others use too; before it no progress is shown beside a refusal
+RUNS = f"""
 import contextlib, io, json, resource, sys, time, traceback, warnings
 from pathlib import Path
+from studies import progress
 from studies.__main__ import main
+progress.PATIENCE = {WAIT}
 warnings.simplefilter("error")
 resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 stdin, stdout, path = sys.stdin, sys.stdout, sys.argv[1]
@@ -65,6 +67,7 @@ def sound(status: int, out: str, err: str) -> None:
 def checked(tmp_path, capsys, monkeypatch):
     """Check a mutant with the command; a defect is raised with its traceback."""
     monkeypatch.setenv("SAWMOTOR_TRACEBACK", "1")
+    monkeypatch.setattr("studies.progress.PATIENCE", WAIT)
 
     def checked(mutant: Mutant) -> None:
         path = tmp_path / "scene.toml"
