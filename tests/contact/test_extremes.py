@@ -88,6 +88,33 @@ def test_a_cross_check_agrees_and_sees_a_wrong_answer(A):
         assert doubted.velocity == pytest.approx(found.velocity, rel=3e-3)
 
 
+@pytest.mark.parametrize("mass", [0.089e-3, 1.0])
+def test_a_cross_check_sees_that_a_slider_does_not_stick(mass):
+    """One of 1 kg, from rest, has 1e-4 of the reference speed after 20000 cycles."""
+    found = steady(slider(mass=mass), orbit(5e-9), tolerance=1e-3)
+    doubted = cross_check(replace(found, answer=replace(found.answer, value=0.0)))
+    reference = reference_speed(0.0, found.orbits)
+    assert abs(doubted.velocity) > 2.0 * doubted.error + 5e-3 * reference
+    assert math.copysign(1.0, doubted.velocity) == math.copysign(1.0, found.velocity)
+
+
+@pytest.mark.parametrize("changes", [{}, {"preload": 100.0}, {"mass": 1.0}])
+def test_a_cross_check_agrees_that_a_slider_sticks(changes):
+    """At a large preload the contacts are elastic over a way that takes a tenth of a second at the reference speed."""
+    found = steady(slider(**changes), orbit(5e-10), tolerance=1e-3)
+    assert found.velocity == 0.0
+    other, reference = cross_check(found), reference_speed(0.0, found.orbits)
+    assert abs(other.velocity) < 1e-3 * reference
+    assert 0.0 < other.error < 1.001e-2 * reference
+
+
+def test_without_friction_nothing_slows_a_slider_and_nothing_says_that_it_sticks():
+    found = steady(slider(friction_coefficient=0.0, tangential_damping=0.0), orbit(5e-9), tolerance=1e-3)
+    assert found.velocity == 0.0
+    with pytest.raises(ConvergenceError, match=r"starts at 0\.01 of the reference speed has 0\.01 of it"):
+        cross_check(found)
+
+
 def test_a_cross_check_by_events_where_steps_do_not_apply():
     found = steady(slider(stick_band=1e-3, reciprocal=True), orbit(5e-9), tolerance=1e-6)
     other = cross_check(found)

@@ -108,8 +108,13 @@ def test_a_lossy_layer_under_a_tilted_cut_is_judged_by_its_own_convergence():
 @pytest.mark.slow
 @pytest.mark.parametrize("varied", ["source impedance", "three contacts", "mirror image", "load"])
 def test_the_chain_agrees_with_its_references(varied):
+    """A slider that 1 N pulls runs away: it has no answer from the velocity of the slowest surface waves on."""
     for value in stability_chain.VARIED[varied][1]:
-        assert case_of(stability_chain, "chain", varied, value).verdict == "right"
+        outcome = case_of(stability_chain, "chain", varied, value)
+        if (varied, value) == ("load", 1.0):
+            assert (outcome.verdict, "runaway" in outcome.guard) == ("flagged", True)
+        else:
+            assert outcome.verdict == "right", outcome
 
 
 def rows():

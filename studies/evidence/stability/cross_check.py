@@ -16,6 +16,10 @@ settles. From a wrong answer they lead to the right one. There is no cross-check
 P reaches 1: the answer is unstable, or nothing decides it), or if the error stays large. A height that grows but does
 not act on the velocity, as in free flight, is left out; what it does to the velocity is in the spread of the limits.
 
+A slider that sticks is followed from rest, and from a hundredth of the reference speed to either side. A heavy slider
+leaves a wrong answer of zero as slowly as it comes to rest, so that its velocity from rest says nothing. What decides
+is whether it is slowed on both sides. If it is faster at the end than at the start, it moves, at least that fast.
+
 The check uses no part of the steady-state solvers: no averaging, no Newton iteration and no cycle map.
 """
 
@@ -53,6 +57,9 @@ FORGOTTEN = 1e-3  # share of an offset below which it is forgotten in the second
 STARTS, SAME_HEIGHT = 6, 1e-6
 # Largest number of starts at a limit; errors over the reference speed that end them, and that are no cross-check
 RESTARTS, SETTLED, MAX_ERROR = 6, 1e-3, 1e-2
+# Speeds over the reference: at which a slider that sticks starts to either side, below which it comes to rest, and the
+# least change that is noticed
+PUSH, STUCK, NOTICED = 1e-2, 5e-3, 1e-8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,7 +158,37 @@ def _sticking(slider, runs, begin):
     reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(runs.problem.paths, every)))
     reach += max(tangential_amplitude(runs.problem.paths, every))
     late = runs.quarters(begin, runs.resolutions[-1]).late
-    return late[2] * runs.units[2], 2.0 * reach / (2.0 * math.pi * (runs.cycles // 4))
+    within_reach = 2.0 * reach / (2.0 * math.pi * (runs.cycles // 4))
+    reference = runs.units[2]
+    if not any(tangential_amplitude(runs.problem.paths, every)):
+        return late[2] * reference, within_reach
+    pushed, error = _pushed(runs, begin)
+    if pushed:
+        return pushed * reference, error * reference
+    return late[2] * reference, min(within_reach, STUCK * reference) if error == STUCK else error * reference
+
+
+def _pushed(runs, begin):
+    """Return (velocity, error), over the reference speed, of a slider that starts at PUSH to either side.
+
+    The velocity is 0 if it is slowed on both sides, and the error STUCK if it comes below that, otherwise PUSH: a heavy
+    slider takes longer than a run. From rest it would leave a wrong answer as slowly.
+    """
+    sides, both = (-1.0, 1.0), []
+    for side in sides:
+        means = runs.quarters(runs.offset(begin, np.array([0.0, 0.0, PUSH * side])), runs.resolutions[0])
+        both.append((side * means.early[2], side * means.late[2]))
+    for side, (early, late) in zip(sides, both, strict=True):
+        if late >= max(early, PUSH) + NOTICED:
+            return side * late, NOTICED
+    for early, late in both:
+        if not (abs(late) <= STUCK or 0.0 < late <= early - NOTICED):
+            raise ConvergenceError(
+                "not settled",
+                f"a slider that starts at {PUSH:g} of the reference speed has {late:.2g} of it after "
+                f"{runs.cycles} cycles",
+            )
+    return 0.0, STUCK if all(abs(late) <= STUCK for _, late in both) else PUSH
 
 
 class _Means(NamedTuple):
