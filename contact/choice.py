@@ -164,15 +164,22 @@ def choose(
         Status "not applicable" with the reasons of all requested methods, or the error of the exact method,
         or of the first if the exact one was not tried.
     """
-    why = {name: each.refusals(question) for name, each in methods.items()}
-    names = [name for name in methods if not why[name]]
-    if requested != "auto":
+
+    def refusals(*names):
+        return {name: methods[name].refusals(question) for name in names}
+
+    if requested == "auto":
+        why = refusals(*methods)
+        names = [name for name in methods if not why[name]]
+        if not exact and len(names) > 1:
+            names = [name for name in names if name != "exact"]
+    else:
+        why = refusals(requested)
         if why[requested]:
-            others = [name for name in names if name != requested]
-            raise refused(what, {requested: why[requested]}, f"use method {' or '.join(others)}" if others else way)
-        names = [requested] + ["exact"] * (exact and requested != "exact" and "exact" in names)
-    elif not exact and len(names) > 1:
-        names = [name for name in names if name != "exact"]
+            others = [name for name, each in refusals(*methods).items() if name != requested and not each]
+            raise refused(what, why, f"use method {' or '.join(others)}" if others else way)
+        replaced = exact and requested != "exact" and not methods["exact"].refusals(question)
+        names = [requested] + ["exact"] * replaced
     if requested == "auto" and exact_first:
         names.sort(key=lambda name: name != "exact")
     if not names:

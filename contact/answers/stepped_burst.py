@@ -123,20 +123,24 @@ def steps_checked_in_parts(burst: Burst) -> Result | None:
     part = int(np.clip(PART_PERIODS / largest_resonance(burst.problem), *PART_CYCLES))
     growth = STEPPED_FACTOR * burst.cycles / (part * len(STEPPED_PARTS))  # from the sum of errors to that of the burst
     begun = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12).state
-    fastest, states = burst.orbits.peak_speed / burst.problem.speed, []
+    fastest = burst.orbits.peak_speed / burst.problem.speed
     try:
+        first, others = _Part.of(burst, begun, part), []
         if STEPS[levels[0]][0] >= COARSE_SHARE * STEPS[small[0]][0]:
             motion, _, states = _steps_with_states(burst, small[0], part)
             fastest = float(motion.state[At.VELOCITY])
+            others = [_Part.of(burst, state, part) for state in states]
         for level in levels:
-            expected = sum(_error_in_part(burst, level, state, part) for state in (begun, *states))
+            at_first = first.error(burst, level)
+            expected = at_first + sum(other.error(burst, level) for other in others)
             if growth * expected > burst.allowed(fastest) and level != levels[-1]:
                 continue  # no need to run the whole burst
             motion, record, states = _steps_with_states(burst, level, part)
-            errors = [_error_in_part(burst, level, state, part) for state in (begun, *states)]
+            others = [_Part.of(burst, state, part) for state in states]
             velocity = fastest = float(motion.state[At.VELOCITY])
             reference = burst.reference(velocity)
-            error = growth * sum(errors) + FLOOR * STEPS[level][1] * reference
+            error = growth * (at_first + sum(other.error(burst, level) for other in others))
+            error += FLOOR * STEPS[level][1] * reference
             if error <= burst.allowed(velocity) or level == levels[-1]:
                 break
     except ConvergenceError:
@@ -157,15 +161,26 @@ def _steps_with_states(burst, level, part):
     return motion, np.concatenate(records), states[:-1]
 
 
-def _error_in_part(burst, level, state, cycles):
-    """Return the largest difference of the velocity from the event-driven one over cycles from a state, scaled."""
-    nodes, truncation, longest = CHECK
-    problem = burst.problem._replace(longest=longest * burst.problem.longest)
-    exact = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
-    exact.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
-    true = exact.turn(cycles, stride=1)[:, Recorded.VELOCITY]
-    found = steps(burst.problem, state.copy(), cycles, STEPS[level][0], stride=1)[:, Recorded.VELOCITY]
-    return float(np.max(np.abs(found - true)))
+class _Part(NamedTuple):
+    """A part of a burst: its first state, and the velocities at the ends of its cycles by the event-driven method."""
+
+    state: np.ndarray
+    velocities: np.ndarray
+
+    @classmethod
+    def of(cls, burst, state, cycles):
+        """Return the part that follows a state."""
+        nodes, truncation, longest = CHECK
+        problem = burst.problem._replace(longest=longest * burst.problem.longest)
+        exact = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
+        exact.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
+        return cls(state, exact.turn(cycles, stride=1)[:, Recorded.VELOCITY])
+
+    def error(self, burst, level):
+        """Return the largest difference of the velocity in fixed steps from the event-driven one, scaled."""
+        number, cycles = STEPS[level][0], self.velocities.size
+        found = steps(burst.problem, self.state.copy(), cycles, number, stride=1)[:, Recorded.VELOCITY]
+        return float(np.max(np.abs(found - self.velocities)))
 
 
 def _every_step(burst, level):

@@ -9,6 +9,7 @@ deformations x_i are zero.
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +94,7 @@ class Periodic:
     step: float  # size of the last Newton step, an estimate of the distance to the fixed point
     motion: Motion  # after the last cycle, its tally and sums of that cycle
 
-    @property
+    @cached_property
     def growth(self) -> float:
         """Largest magnitude of the Floquet multipliers; the motion is unstable if it exceeds one."""
         return self.jacobian.growth
@@ -103,7 +104,7 @@ class Periodic:
         """True if no multiplier exceeds one by more than the error of the finite differences."""
         return self.growth <= 1.0 + MULTIPLIER_ERROR
 
-    @property
+    @cached_property
     def unseen_error(self) -> float:
         """Error of the speed that another order need not show: last Newton step, rounding, agreement by chance."""
         amplified, problem = self.jacobian.amplification(At.VELOCITY), self.motion.problem
@@ -128,13 +129,14 @@ class Periodic:
 
 def periodic(
     balance: Balance, *, nodes: int, truncation: float, longest: float = 1.0, close: float = 1e-12,
-    near: Periodic | None = None, settle: int = 0,
+    near: Periodic | None = None, settle: int = 0, energies: bool = True,
 ) -> Periodic:  # fmt: skip
     """Return the periodic motion at one order of collocation.
 
     Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if there is one.
     `truncation` is that of `Motion`, `longest` the largest length of a segment over that of the problem. The search
-    ends at a step below `close`. Before it the full motion is followed for `settle` cycles.
+    ends at a step below `close`. Before it the full motion is followed for `settle` cycles. `energies`: whether the
+    motion counts those of its cycle.
     """
     problem = balance.problem
     cycle = CycleMap(problem._replace(longest=longest * problem.longest), nodes, truncation)
@@ -152,7 +154,9 @@ def periodic(
     else:
         y, jacobian = near.state.copy(), near.jacobian
     y, jacobian, step = _fixed_point(cycle, y, jacobian, close, change)
-    size, turn, motion = _size(step), 2.0 * math.pi, cycle.finished(y)
+    if energies:
+        cycle.count_energies(y)
+    size, turn, motion = _size(step), 2.0 * math.pi, cycle.motion
     motion.problem = problem
     if not size < 1e-6:
         raise ConvergenceError(
@@ -173,7 +177,7 @@ def quick_periodic(balance: Balance, tolerance: float) -> tuple[Periodic, Period
         return None
     try:
         finer, coarser = _quick_levels(balance, tolerance)
-        coarse = search_at(coarser, balance)
+        coarse = search_at(coarser, balance, energies=False)
         fine = search_at(finer, balance, near=coarse)
     except ConvergenceError:
         return None
@@ -206,7 +210,7 @@ def fine_periodic(balance: Balance) -> Periodic:
 
 def coarse_periodic(balance: Balance, fine: Periodic) -> Periodic:
     """Return the same periodic motion at the order COARSE; its difference from the fine one estimates the error."""
-    return search_at(COARSE, balance, near=fine)
+    return search_at(COARSE, balance, near=fine, energies=False)
 
 
 class CycleMap:
@@ -250,14 +254,13 @@ class CycleMap:
         limits = motion.problem.limit_slope * motion.problem.factors.limit_slope * motion.approaches(y[At.POSITION])
         y[At.DEFORMATIONS :] = np.where(slips, motion.sign * limits, y[At.DEFORMATIONS :])
 
-    def finished(self, y):
-        """Return the motion after its cycle from the state y, with the energies at the start of that cycle."""
+    def count_energies(self, y):
+        """Give the motion after its cycle from the state y the energies at the start of that cycle."""
         if self.motion.memory is None:
             start = self.motion.copy()
             start.set_state(*y[:3], y[3:])
             start.count_energies()
             self.motion.begun = start.begun
-        return self.motion
 
     def jacobian(self, y):
         """Return the map's Jacobian by differences that move each deformation towards zero, and the change from y.
