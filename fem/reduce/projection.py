@@ -96,7 +96,7 @@ class NodeSolutions:
     # their moments below
     half_cells: dict = field(repr=False)
     reactions: dict = field(repr=False)  # by finger shape: at every node those on each half of the finger, or none
-    walls: list = field(repr=False)  # at every node as in `fem.reduce.reduced_model.ReducedModel`, or empty
+    walls: list = field(repr=False)  # at every node, or empty
     # of the fields on the lines at mid-gap and at mid-finger, by group of unknowns
     decompositions: list[tuple[Directions, Directions]] = field(repr=False)
     solutions: list[Solution] = field(repr=False)  # at some of the nodes
@@ -138,8 +138,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         walls = fields = solution = None
         if stator.ends != "absorbing":
             ends = end_walls(section, frequency, stator, resolution, width=WALL_WIDTH)
-            distinct_ends = ends if section.odd is None else ends[1:]
-            walls = np.stack([end.matrix for end in distinct_ends])
+            walls = np.stack([end.matrix for end in ends])
         if index in solved:
             modes = guided_modes(section, frequency)
             port_fields = joined_cascade(

@@ -90,8 +90,7 @@ class ReducedModel:
     finger_basis: np.ndarray = field(repr=False)  # shape (n, r): of the lines in mid-finger
     half_cells: dict = field(repr=False)  # `HalfCell` by finger shape
     nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
-    # projected end pieces at the nodes, shape (nodes, 2, r, r), or (nodes, 1, r, r), the right one, if the left one is
-    # its mirror image; None for absorbing ends
+    # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
     meshes: StatorMeshes = field(repr=False)
     pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the cascade
@@ -108,9 +107,6 @@ class ReducedModel:
         if self.walls is not None:
             plain = [isinstance(end, str) for end in arranged.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
-            if len(matrices) == 1 and self.section.odd is not None:
-                line = np.where(self.section.odd, -1.0, 1.0)
-                matrices = np.stack([line[:, None] * matrices[0] * line, matrices[0]])
             left, right = (
                 Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else arranged.ends[side]
                 for side, matrix in enumerate(matrices)

@@ -96,20 +96,6 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
     return -np.linalg.solve(leave, arrive[:, arriving])
 
 
-def mirrored_ends(ends: tuple[End, End], modes: GuidedModes) -> bool:
-    """True if both ends, and the modes that reach them, are exactly each other's mirror image in x -> -x."""
-    left, right = ends
-    if modes.section.odd is None:
-        return False
-    line = np.where(modes.section.odd, -1.0, 1.0)
-    if isinstance(left, Wall) and isinstance(right, Wall):
-        alike = left.floating_potential == right.floating_potential and left.matrix.shape == right.matrix.shape
-        alike = alike and np.array_equal(line[:, None] * left.matrix * line, right.matrix)
-    else:
-        alike = isinstance(left, str) and left == right
-    return bool(alike and np.array_equal(line[:, None] * modes.left, modes.right))
-
-
 def closed(piece: Piece, near: np.ndarray, far: np.ndarray, impedance=0.0) -> tuple[Wall, np.ndarray]:
     """Piece whose far line is terminated, as an end of the stator.
 

@@ -164,15 +164,10 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: compl
         backwards, left = -wavenumbers, mirror[:, None] * right
     else:
         (wavenumbers, right), (backwards, left) = _both_ways(constant, second, first, skew, zeroth)
-    refined = None
     if section is section.full and not lateral_wavenumber and "phi" in section.solid.fields:
-        both = (wavenumbers, right), (backwards, left)
-        refined = _refine_slow_modes(section.full, *both, constant, (second, first, zeroth))
+        _refine_slow_modes(section.full, (wavenumbers, right), (backwards, left), constant, (second, first, zeroth))
     right_flux = _flux(second, first, wavenumbers, right)
-    if odd is None or lateral_wavenumber or refined is not None:
-        left_flux = _flux(second, first, backwards, left)
-    else:  # K2 couples equal parities, K1 opposite ones
-        left_flux = -mirror[:, None] * right_flux
+    left_flux = _flux(second, first, backwards, left)
     return GuidedModes(
         section=section,
         frequency=frequency,
@@ -299,13 +294,13 @@ def _partners(wavenumbers, backwards):
 
 
 def _refine_slow_modes(section, rightgoing, leftgoing, constant, matrices):
-    """Replace slowly decaying static modes by those of `refined_slow_modes`, in place; None if there are none."""
+    """Replace slowly decaying static modes by those of `refined_slow_modes`, in place."""
     second, first, zeroth = matrices
     refined = refined_slow_modes(
         rightgoing, leftgoing, (second, 1j * (first - first.T), zeroth), constant, section.surface_dofs["phi"]
     )
     if refined is None:
-        return None
+        return
     wavenumbers, shapes, numbers = refined
     right = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
     if right.sum() != len(numbers):
@@ -316,7 +311,6 @@ def _refine_slow_modes(section, rightgoing, leftgoing, constant, matrices):
     back = np.flatnonzero(~right)[_partners(wavenumbers[right], wavenumbers[~right])]
     for each, chosen in ((rightgoing, np.flatnonzero(right)), (leftgoing, back)):
         each[0][numbers], each[1][:, numbers] = wavenumbers[chosen], shapes[:, chosen]
-    return numbers
 
 
 def _goes_right(wavenumbers, shapes, flux):

@@ -25,7 +25,7 @@ from fem.condense.cascade_piece import Blocks, Piece, Port
 from fem.condense.finger_columns import FingerColumns
 from fem.exceptions import InputError
 from fem.waveguide.cascade_system import Element, solve_cascade
-from fem.waveguide.end_conditions import End, end_reflection, mirrored_ends, with_gauge
+from fem.waveguide.end_conditions import End, end_reflection, with_gauge
 from fem.waveguide.guided_modes import GuidedModes
 from fem.waveguide.line_force import ForceResponse, force_response
 
@@ -369,7 +369,7 @@ class Network:
         ports = len(self.ports)
         segments, excitations = self._coupled_segments(waves), ports + 2 * len(waves)
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
-        reflected = self._reflections(segments[0].coupling_modes, segments[-1].coupling_modes)
+        reflected = [self._reflection(side, segments[-side].coupling_modes) for side in (0, 1)]
         elements = [self._end(side, segments[-side], reflected[side], excitations) for side in (0, 1)]
         coupled = np.unique(np.concatenate([each.coupling_modes for each in segments]))
         responses = [
@@ -422,12 +422,6 @@ class Network:
             coupling=np.zeros((0, 0)),
             waves=NO_WAVES,
         )
-
-    def _reflections(self, at_left: np.ndarray, at_right: np.ndarray) -> list[np.ndarray]:
-        """Amplitudes that both ends reflect (`_reflection`); those of ends that mirror each other are the same."""
-        from_right = self._reflection(1, at_right)
-        alike = np.array_equal(at_left, at_right) and mirrored_ends(self.ends, self.modes)
-        return [from_right if alike else self._reflection(0, at_left), from_right]
 
     def _reflection(self, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes that an end reflects, for a unit of each incident mode, (n, arriving)."""

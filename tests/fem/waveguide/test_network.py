@@ -10,7 +10,7 @@ from fem.condense.joined_fingers import joined, repeated
 from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.parameters import InputError
 from fem.waveguide.cascade_system import Element, Travel, solve_cascade
-from fem.waveguide.end_conditions import closed, end_reflection, end_walls, mirrored_ends
+from fem.waveguide.end_conditions import closed, end_reflection, end_walls
 from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
@@ -211,22 +211,3 @@ def test_waves_in_groups_travel_as_by_one_matrix():
         arriving = matrix @ leaving + (0 if from_outside is None else outside)
         np.testing.assert_allclose(found.arriving, arriving, rtol=1e-12, atol=1e-15)
         np.testing.assert_allclose(found.coupling, scattering @ matrix, rtol=1e-12, atol=1e-15)
-
-
-@pytest.mark.parametrize("ends", ["free", "clamped"])
-def test_ends_that_mirror_each_other_reflect_alike(ends):
-    """Words and walls; a wall beside another thickness of columns, or a word beside a wall, is not its image."""
-    stator = plate(cut("PZT-4", "Z"), thickness=0.9, ends=ends)
-    own = section(stator, order=6)
-    modes = guided_modes(own, FREQUENCY)
-    resolution = Resolution(order=6, edge_layers=1, absorber=1)
-    walls = end_walls(own, FREQUENCY, stator, resolution, width=0.2)
-    others = end_walls(own, FREQUENCY, stator, resolution, width=0.3)
-    arriving = modes.propagating
-    for left, right in ((ends, ends), walls):
-        assert mirrored_ends((left, right), modes)
-        both = (end_reflection(modes, end, side, arriving) for side, end in enumerate((left, right)))
-        np.testing.assert_allclose(*both, rtol=1e-7, atol=1e-10)
-    assert not mirrored_ends((walls[0], others[1]), modes)
-    assert not mirrored_ends((ends, walls[1]), modes)
-    assert not mirrored_ends(("free", "clamped"), modes)
