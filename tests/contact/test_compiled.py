@@ -356,6 +356,16 @@ def test_arrays_of_another_type_have_their_own_machine_code(places, tmp_path):
     assert len(files(tmp_path)) == 2
 
 
+def test_arrays_that_cannot_be_written_to_or_have_no_numbers_reach_a_kernel(places):
+    # the address of either is not that of its buffer (`compiled._array_address`)
+    kernel, values = compiled.Native(total, ("t",)), np.array([1.5, 2.0])
+    values.setflags(write=False)
+    assert kernel(Weights(values)) == 7
+    assert kernel(Weights(np.empty(0))) == 0
+    with pytest.raises(TypeError, match="f1 expected"):
+        kernel(Weights(np.ones(4)[::2]))
+
+
 def test_a_kernel_keeps_no_large_arrays_alive(places):
     kernel = compiled.Native(total, ("t",))
     weights = Weights(np.ones(compiled.MAX_KEPT_NUMBERS + 1))
